@@ -1,6 +1,4 @@
-//! What a board's chip does for the main loop, counts, and keeps over a reset.
-
-use estimator_core::DacCode;
+//! What a board's chip does for the main loop, and counts.
 
 /// The parts of a chip that differ from board to board and are asked while the firmware runs; by the main loop, never
 /// by the tick. A board without a part leaves its method as it is.
@@ -23,13 +21,4 @@ pub trait Chip {
     fn line_errors(&self) -> u32 {
         0
     }
-
-    /// Keeps the DAC's safe code for the starts after ([`crate::restarts`]).
-    fn keep_safe(&self, _code: DacCode) {}
-
-    /// Keeps for them that a displacement was told.
-    fn keep_told(&self) {}
-
-    /// Begins the count of starts that failed anew.
-    fn forget_restarts(&self) {}
 }

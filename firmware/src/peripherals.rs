@@ -1,15 +1,18 @@
 //! What a board hands to the firmware.
 
 use crate::facts::Facts;
+use crate::restarts::Memory;
 use core::ops::Range;
 use protocol::Text;
 
 /// A board's peripherals, ready to be used; the tick is not running yet.
-pub struct Peripherals<C, R, W, F, P, S> {
+pub struct Peripherals<'m, C, R, W, F, P, S> {
     /// What the board says of itself.
     pub facts: Facts,
-    /// What its chip does for the main loop, counts and keeps ([`Chip`](crate::Chip)).
+    /// What its chip does for the main loop, and counts ([`Chip`](crate::Chip)).
     pub chip: C,
+    /// What this start leaves the next ones, where it has counted itself ([`Facts::restarts`]).
+    pub memory: Memory<'m>,
     /// What the last run said before it ended in a panic or a fault.
     pub last_words: Option<Text<160>>,
     /// The serial line, inbound.

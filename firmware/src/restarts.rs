@@ -10,7 +10,7 @@
 //! that nobody has asked for over the link, of the pin's and the supply's as well; where the memory has lost its
 //! content, nobody knows.
 
-use core::cell::UnsafeCell;
+use core::cell::Cell;
 use core::mem::MaybeUninit;
 use embassy_time::Duration;
 use estimator_core::DacCode;
@@ -22,7 +22,7 @@ pub const TOO_MANY: u32 = 3;
 pub const SOON: Duration = Duration::from_secs(10);
 
 /// What is known of the starts before.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Restarts {
     /// How often the device has started in a row without having been asked to.
     pub count: u32,
@@ -30,9 +30,14 @@ pub struct Restarts {
     pub safe: Option<DacCode>,
     /// A displacement had been told since the last reset that was asked for.
     pub told: bool,
+    /// This start was asked for over the link.
+    pub asked: bool,
 }
 
 impl Restarts {
+    /// Of a start before which none is known.
+    pub const NONE: Self = Self { count: 0, safe: None, told: false, asked: false };
+
     /// Whether the store is to be left alone.
     pub fn too_many(&self) -> bool {
         self.count >= TOO_MANY
@@ -40,18 +45,20 @@ impl Restarts {
 }
 
 /// Three numbers, each with its complement, without which it is none: after power-on the memory holds anything.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
-struct Kept {
+pub struct Kept {
     count: [u32; 2],
     safe: [u32; 2],
-    told: [u32; 2],
+    event: [u32; 2],
 }
 
 /// What is no number, since the second is not the complement of the first: nothing is kept.
 const NONE: [u32; 2] = [0, 0];
-/// The number that says that a displacement was told.
+/// The event that a displacement was told, until a reset is asked for.
 const TOLD: u32 = 1;
+/// The event that the reset which comes now was asked for.
+const ASKED: u32 = 2;
 
 fn sealed(number: u32) -> [u32; 2] {
     [number, !number]
@@ -62,82 +69,85 @@ fn unsealed([number, check]: [u32; 2]) -> Option<u32> {
 }
 
 /// The place in memory.
-struct Place(UnsafeCell<MaybeUninit<Kept>>);
+struct Place(Cell<MaybeUninit<Kept>>);
 
-// SAFETY: there is one core, and the functions say when they may be called.
+// SAFETY: it is used through `Memory` alone, which stays with the main loop.
 unsafe impl Sync for Place {}
 
 #[cfg_attr(target_os = "none", unsafe(link_section = ".uninit.restarts"))]
-static PLACE: Place = Place(UnsafeCell::new(MaybeUninit::uninit()));
+static PLACE: Place = Place(Cell::new(MaybeUninit::uninit()));
 
-/// Changes what is kept.
+/// Where the starts leave each other what they know. It stays with the main loop: neither it nor a reference to it can
+/// be sent to an interrupt.
+#[derive(Clone, Copy, Debug)]
+pub struct Memory<'m>(&'m Cell<Kept>);
+
+/// The memory that no reset clears.
 ///
 /// # Safety
-/// By the main loop alone, or before it.
-unsafe fn change(change: impl FnOnce(&mut Kept)) {
-    // SAFETY: by the caller's promise. Every bit pattern is numbers.
-    let mut kept = unsafe { PLACE.0.get().read_volatile().assume_init() };
-    change(&mut kept);
-    // SAFETY: by the caller's promise. Volatile, because this program may not read it again.
-    unsafe { PLACE.0.get().write_volatile(MaybeUninit::new(kept)) };
+/// Once, at boot, by what becomes the main loop.
+pub unsafe fn memory() -> Memory<'static> {
+    // SAFETY: by the caller's promise nothing else refers to the place, and every bit pattern is numbers.
+    Memory(unsafe { &*PLACE.0.as_ptr().cast() })
 }
 
-/// Counts this start.
-///
-/// # Safety
-/// Once, at boot, before interrupts and tasks.
-pub unsafe fn count(reset: ResetCause) -> Restarts {
-    let mut restarts = Restarts::default();
-    let count = |kept: &mut Kept| {
-        restarts.count = next(unsealed(kept.count), reset);
-        // Where there were starts before, they have kept it. Else it is forgotten, or the starts after this one would
-        // take it for this one's, which may know none.
-        if restarts.count == 0 {
-            kept.safe = NONE;
-        }
-        restarts.safe = unsealed(kept.safe).map(|safe| DacCode(safe as u16));
-        restarts.told = unsealed(kept.told) == Some(TOLD);
-        kept.count = sealed(restarts.count);
-    };
-    // SAFETY: by the caller's promise.
-    unsafe { change(count) };
-    restarts
-}
+impl<'m> Memory<'m> {
+    /// Memory of a board whose resets clear it, or are none.
+    pub fn new(kept: &'m Cell<Kept>) -> Self {
+        Self(kept)
+    }
 
-/// Keeps the safe code of this start for the next ones.
-///
-/// # Safety
-/// As for [`count`], or by the main loop.
-pub unsafe fn keep_safe(DacCode(code): DacCode) {
-    // SAFETY: by the caller's promise.
-    unsafe { change(|kept| kept.safe = sealed(code.into())) };
-}
+    fn change(self, change: impl FnOnce(&mut Kept)) {
+        let place = self.0.as_ptr();
+        // SAFETY: a cell's own pointer, on the one thread that has it. Volatile, because what the reset has left is not
+        // what the program's image says, and because this program may not read again what it writes.
+        let mut kept = unsafe { place.read_volatile() };
+        change(&mut kept);
+        // SAFETY: as above.
+        unsafe { place.write_volatile(kept) };
+    }
 
-/// Keeps for the next starts that a displacement was told.
-///
-/// # Safety
-/// By the main loop alone.
-pub unsafe fn keep_told() {
-    // SAFETY: by the caller's promise.
-    unsafe { change(|kept| kept.told = sealed(TOLD)) };
-}
+    /// Counts this start: once, before all else.
+    pub fn count(self, reset: ResetCause) -> Restarts {
+        let mut restarts = Restarts::NONE;
+        self.change(|kept| {
+            restarts.count = next(unsealed(kept.count), reset);
+            // Where there were starts before, they have kept it. Else it is forgotten, or the starts after this one
+            // would take it for this one's, which may know none.
+            if restarts.count == 0 {
+                kept.safe = NONE;
+            }
+            restarts.safe = unsealed(kept.safe).map(|safe| DacCode(safe as u16));
+            restarts.told = unsealed(kept.event) == Some(TOLD);
+            restarts.asked = unsealed(kept.event) == Some(ASKED) && reset.contains(ResetCause::SOFTWARE);
+            if !restarts.told {
+                kept.event = NONE;
+            }
+            kept.count = sealed(restarts.count);
+        });
+        restarts
+    }
 
-/// Begins the count anew: the device has run for [`SOON`].
-///
-/// # Safety
-/// By the main loop alone.
-pub unsafe fn forget() {
-    // SAFETY: by the caller's promise.
-    unsafe { change(|kept| kept.count = sealed(0)) };
-}
+    /// Keeps the safe code of this start for the next ones.
+    pub fn keep_safe(self, DacCode(code): DacCode) {
+        self.change(|kept| kept.safe = sealed(code.into()));
+    }
 
-/// The reset that comes now has been asked for: it does not count, and whoever asked knows that it loses what was told.
-///
-/// # Safety
-/// By the main loop alone.
-pub unsafe fn asked() {
-    // SAFETY: by the caller's promise. No count at all.
-    unsafe { change(|kept| (kept.count, kept.told) = (NONE, NONE)) };
+    /// Keeps for the next starts that a displacement was told.
+    pub fn keep_told(self) {
+        self.change(|kept| kept.event = sealed(TOLD));
+    }
+
+    /// Begins the count anew: the device has run for [`SOON`].
+    pub fn forget(self) {
+        self.change(|kept| kept.count = sealed(0));
+    }
+
+    /// The reset that comes now has been asked for: it does not count, and whoever asked knows that it loses what was
+    /// told.
+    pub fn asked(self) {
+        self.change(|kept| (kept.count, kept.event) = (NONE, sealed(ASKED)));
+    }
 }
 
 /// The count at a start, from the one before, if there was one.
@@ -167,36 +177,45 @@ mod tests {
     }
 
     #[test]
-    fn the_count_is_kept_until_it_is_forgotten_and_the_safe_code_with_it_and_what_was_told_until_a_reset_is_asked_for()
-    {
+    fn the_count_is_kept_until_it_is_forgotten_and_the_safe_code_with_it() {
         let own = ResetCause::SOFTWARE;
-        // SAFETY: no other test uses the place.
-        unsafe {
-            forget();
-            keep_safe(DacCode(512));
-            let safe = Some(DacCode(512));
-            assert_eq!([count(own), count(own)], [1, 2].map(|count| Restarts { count, safe, told: false }));
-            forget();
-            assert_eq!(count(own).count, 1);
-            for begins_anew in [asked, || _ = count(ResetCause::BROWN_OUT)] {
-                keep_safe(DacCode(512));
-                begins_anew();
-                assert_eq!(count(own).safe, None, "the output may have been wired anew");
-                asked();
-                assert_eq!([count(own), count(own)], [0, 1].map(|count| Restarts { count, safe: None, told: false }));
-            }
-            keep_safe(DacCode(700));
-            let [.., third] = [count(own), count(own), count(own)];
-            assert!(third.too_many() && third.safe == Some(DacCode(700)));
-            // What was told, the reset that is asked for forgets, and no other.
-            keep_told();
-            for cause in [own, ResetCause::WATCHDOG, ResetCause::PIN, ResetCause::BROWN_OUT, ResetCause::empty()] {
-                assert!([count(cause), count(cause)].iter().all(|start| start.told), "{cause:?}");
-            }
-            asked();
-            assert!([own, own].iter().all(|&cause| !count(cause).told));
-            change(|kept| kept.told = [TOLD, TOLD]);
-            assert!(!count(own).told, "as memory may be after the loss of power");
+        let kept = Cell::new(Kept::default());
+        let memory = Memory::new(&kept);
+        memory.forget();
+        memory.keep_safe(DacCode(512));
+        let after = |count, safe| Restarts { count, safe, ..Restarts::NONE };
+        let safe = Some(DacCode(512));
+        assert_eq!([memory.count(own), memory.count(own)], [after(1, safe), after(2, safe)]);
+        memory.forget();
+        assert_eq!(memory.count(own).count, 1);
+        let begins_anew: [&dyn Fn(); 2] = [&|| memory.asked(), &|| _ = memory.count(ResetCause::BROWN_OUT)];
+        for begins_anew in begins_anew {
+            memory.keep_safe(DacCode(512));
+            begins_anew();
+            assert_eq!(memory.count(own).safe, None, "the output may have been wired anew");
+            memory.asked();
+            let asked = Restarts { asked: true, ..Restarts::NONE };
+            assert_eq!([memory.count(own), memory.count(own)], [asked, after(1, None)], "asked for once");
         }
+        memory.keep_safe(DacCode(700));
+        let [.., third] = [memory.count(own), memory.count(own), memory.count(own)];
+        assert!(third.too_many() && third.safe == Some(DacCode(700)));
+    }
+
+    #[test]
+    fn what_was_told_is_forgotten_by_the_reset_that_is_asked_for_and_by_no_other() {
+        let own = ResetCause::SOFTWARE;
+        let kept = Cell::new(Kept::default());
+        let memory = Memory::new(&kept);
+        memory.keep_told();
+        for cause in [own, ResetCause::WATCHDOG, ResetCause::PIN, ResetCause::BROWN_OUT, ResetCause::empty()] {
+            assert!([memory.count(cause), memory.count(cause)].iter().all(|start| start.told), "{cause:?}");
+        }
+        memory.asked();
+        assert!([own, own].iter().all(|&cause| !memory.count(cause).told));
+        memory.asked();
+        assert!(!memory.count(ResetCause::BROWN_OUT).asked, "power came before the reset that was asked for");
+        kept.set(Kept { event: [TOLD, TOLD], ..kept.get() });
+        assert!(!memory.count(own).told, "as memory may be after the loss of power");
     }
 }

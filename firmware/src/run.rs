@@ -49,23 +49,23 @@ impl Default for Resources {
 /// # Errors
 /// The parameter pages do not fit the flash: a mistake in the board or its memory map.
 pub async fn run<'r, C: Chip, R: Read, W: Write, F: NorFlash, P: Front, S: FnOnce(Tick<'r>)>(
-    board: Peripherals<C, R, W, F, P, S>,
+    board: Peripherals<'r, C, R, W, F, P, S>,
     resources: &'r mut Resources,
     points: &'r Points,
     telemetry: &'r Telemetry,
 ) -> Result<(), StoreError> {
-    let Peripherals { facts, chip, last_words, .. } = board;
+    let Peripherals { facts, chip, memory, last_words, .. } = board;
     let mut store = ParameterStore::new(board.flash, board.pages)?;
     let chosen = boot::choose(&mut store, TABLE, &facts).await;
     log_start(&chosen.source);
     let (tick_queues, link_queues) = resources.queues.split();
     let startup = Startup::new(chosen.table.as_ref(), &facts, chosen.doubts);
     if startup.connected {
-        chip.keep_safe(startup.safe);
+        memory.keep_safe(startup.safe);
     }
     let tick = Tick::new(startup, &facts, tick_queues, points, telemetry);
     let link_end = LinkEnd { queues: link_queues, points, telemetry };
-    let device = Device::new(facts, &chip, chosen, last_words, store, link_end);
+    let device = Device::new(facts, &chip, memory, chosen, last_words, store, link_end);
     let link = Link::new(device, board.receiver, board.transmitter, Panel::new(board.front));
     telemetry.begin(&facts);
     (board.start)(tick);
@@ -87,7 +87,7 @@ pub async fn run<'r, C: Chip, R: Read, W: Write, F: NorFlash, P: Front, S: FnOnc
             }
             if young && started.elapsed() > SOON {
                 young = false;
-                chip.forget_restarts();
+                memory.forget();
             }
             Timer::after(WATCHDOG).await;
             telemetry.supply.take(chip.measure_supply());
@@ -98,7 +98,10 @@ pub async fn run<'r, C: Chip, R: Read, W: Write, F: NorFlash, P: Front, S: FnOnc
         }
     };
     match select(link.serve(), watchdog).await {
-        Either::First(()) => Ok(()),
+        Either::First(()) => {
+            memory.asked();
+            Ok(())
+        }
         Either::Second(never) => never,
     }
 }

@@ -6,19 +6,22 @@ use crate::text::Text;
 use serde::{Deserialize, Serialize};
 
 bitflags::bitflags! {
-    /// The causes that the chip's reset register had at the last start; several may be set.
+    /// The causes of the last start; several may be set. All but [`Self::ASKED`] are those of the chip's reset
+    /// register.
     #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
     pub struct ResetCause: u8 {
         /// Power came, or sagged below the brown-out threshold and came back.
         const BROWN_OUT = 1 << 0;
         /// The reset pin, or a debug probe.
         const PIN = 1 << 1;
-        /// The firmware itself: asked over the link, or after a panic.
+        /// The firmware itself, as it was asked or after a panic; or a debug probe.
         const SOFTWARE = 1 << 2;
         /// The independent watchdog: ticks had stopped, or the main loop had.
         const WATCHDOG = 1 << 3;
         /// Anything else (option bytes, window watchdog, illegal low-power entry).
         const OTHER = 1 << 4;
+        /// Beside [`Self::SOFTWARE`]: asked over the link.
+        const ASKED = 1 << 5;
     }
 }
 

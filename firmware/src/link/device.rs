@@ -7,6 +7,7 @@ use crate::compiled::TABLE;
 use crate::facts::Facts;
 use crate::queues::{Command, LinkQueues};
 use crate::rate::TICK_HZ;
+use crate::restarts::Memory;
 use crate::telemetry::Telemetry;
 use crate::waveform::Points;
 use core::sync::atomic::Ordering::Relaxed;
@@ -36,8 +37,10 @@ pub struct LinkEnd<'q> {
 pub struct Device<'q, F: NorFlash> {
     /// What the board says of itself.
     pub facts: Facts,
-    /// What its chip counts and keeps.
+    /// What its chip counts.
     pub(super) chip: &'q dyn Chip,
+    /// What this start leaves the next ones.
+    pub(super) memory: Memory<'q>,
     /// The table in use, where it comes from, and what speaks against it.
     pub chosen: Chosen,
     /// The last run's message.
@@ -85,6 +88,7 @@ impl<'q, F: NorFlash> Device<'q, F> {
     pub fn new(
         facts: Facts,
         chip: &'q dyn Chip,
+        memory: Memory<'q>,
         chosen: Chosen,
         last_words: Option<Text<160>>,
         store: ParameterStore<F>,
@@ -93,6 +97,7 @@ impl<'q, F: NorFlash> Device<'q, F> {
         Self {
             facts,
             chip,
+            memory,
             chosen,
             last_words,
             store,

@@ -6,7 +6,7 @@ use embedded_storage_async::nor_flash::NorFlash;
 use estimator_core::AdcCode;
 use estimator_core::record::{MAX_LENGTH, VERSION, checksum};
 use estimator_core::table::Interface;
-use protocol::{Health, Identity, Record, Text, text};
+use protocol::{Health, Identity, Record, ResetCause, Text, text};
 
 impl<F: NorFlash> Device<'_, F> {
     pub(super) fn identity(&self) -> Identity {
@@ -33,7 +33,7 @@ impl<F: NorFlash> Device<'_, F> {
             ticks: telemetry.ticks.load(Relaxed),
             faults: telemetry.faults(),
             faults_seen: telemetry.faults_seen(),
-            reset: self.facts.reset,
+            reset: self.reset(),
             last_words: self.last_words.clone(),
             cycles_last: telemetry.cycles_last.load(Relaxed),
             cycles_max: telemetry.cycles_max.load(Relaxed),
@@ -63,6 +63,12 @@ impl<F: NorFlash> Device<'_, F> {
         self.last_words = None;
         self.frames_refused = 0;
         self.forgotten = Forgotten { line_errors: self.line_errors(), flash_errors: self.chip.flash_errors() };
+    }
+
+    /// Why the board started: what its chip says, and what the start before has left.
+    fn reset(&self) -> ResetCause {
+        let asked = if self.facts.restarts.asked { ResetCause::ASKED } else { ResetCause::empty() };
+        self.facts.reset | asked
     }
 
     /// Errors of the line since start: those that the board counts, and those that its driver reports.

@@ -41,7 +41,7 @@ impl<F: NorFlash> Device<'_, F> {
                 (_, true) => {
                     // Before the reply, so that no reset comes between. That of fed codes is over with them.
                     if self.telemetry.mode().measures() {
-                        self.chip.keep_told();
+                        self.memory.keep_told();
                     }
                     return Ok(());
                 }

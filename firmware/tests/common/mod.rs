@@ -30,7 +30,7 @@ pub const FACTS: Facts = Facts {
     dac_parts: 1,
     cycles_per_tick: PERIOD,
     reset: ResetCause::WATCHDOG,
-    restarts: Restarts { count: 0, safe: None, told: false },
+    restarts: Restarts::NONE,
     supply_mv: Some(3301.0),
     brown_out_level: Some(4),
     clock_good: true,

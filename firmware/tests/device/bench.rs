@@ -6,11 +6,11 @@ use embassy_futures::block_on;
 use estimator_core::{AdcCode, Admitted, DacCode};
 use firmware::boot::Chosen;
 use firmware::link::Device;
+use firmware::restarts::Memory;
 use firmware::startup::Startup;
 use firmware::{Chip, Conversion, Tick};
 use parameter_store::{ParameterStore, RamFlash};
-use protocol::{Faults, Reply, Request, TableSource, text};
-use std::cell::Cell;
+use protocol::{Faults, Reply, Request, ResetCause, TableSource, text};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU16};
 
@@ -24,11 +24,8 @@ pub fn flash(memory: Vec<u8>) -> ParameterStore<Flash> {
     ParameterStore::new(RamFlash::new(memory.leak()), pages).unwrap()
 }
 
-/// A chip that has met errors, and knows whether it was asked to keep that a displacement was told.
-#[derive(Default)]
-pub struct TestChip {
-    pub told: Cell<bool>,
-}
+/// A chip that has met errors.
+struct TestChip;
 
 impl Chip for TestChip {
     fn flash_errors(&self) -> u32 {
@@ -38,16 +35,12 @@ impl Chip for TestChip {
     fn line_errors(&self) -> u32 {
         2
     }
-
-    fn keep_told(&self) {
-        self.told.set(true);
-    }
 }
 
 /// A device whose ticks run in a thread, ten times as fast as they should, until it is dropped.
 pub struct Bench {
     pub device: Device<'static, Flash>,
-    pub chip: &'static TestChip,
+    pub memory: Memory<'static>,
     stop: Arc<AtomicBool>,
 }
 
@@ -110,9 +103,9 @@ impl Bench {
     fn beside(table: Option<Admitted>, rest: LinkEnd, stop: Arc<AtomicBool>) -> Self {
         let source = TableSource::Compiled { reason: text("no table is stored") };
         let chosen = Chosen { table, source, doubts: Faults::empty() };
-        let chip: &TestChip = Box::leak(Box::default());
+        let memory = Memory::new(Box::leak(Box::default()));
         let (last_words, store) = (Some(text("panicked")), flash(vec![0xFF; 4096]));
-        Self { device: Device::new(FACTS, chip, chosen, last_words, store, rest), chip, stop }
+        Self { device: Device::new(FACTS, &TestChip, memory, chosen, last_words, store, rest), memory, stop }
     }
 
     /// Until these faults are there, or these alone where there are none.
@@ -125,6 +118,13 @@ impl Bench {
             assert!(started.elapsed().as_secs() < 20, "{faults:?} do not come, there are {:?}", now());
             std::thread::sleep(TICKS);
         }
+    }
+
+    /// Whether it has been told a displacement; it forgets that.
+    pub fn told(&self) -> bool {
+        let told = self.memory.count(ResetCause::PIN).told;
+        self.memory.asked();
+        told
     }
 
     pub fn ask(&mut self, request: Request) -> Reply {

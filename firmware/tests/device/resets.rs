@@ -24,7 +24,7 @@ fn resets(bench: &mut Bench) {
 fn after_failures_in_a_row_a_driving_compiled_table_drives_nothing_and_a_reset_that_is_asked_for_ends() {
     let kept = DacCode(1234);
     assert_ne!(Drive::rest(&driving()), Some(kept));
-    let facts = Facts { restarts: Restarts { count: TOO_MANY, safe: Some(kept), told: false }, ..FACTS };
+    let facts = Facts { restarts: Restarts { count: TOO_MANY, safe: Some(kept), ..Restarts::NONE }, ..FACTS };
     let start = || started(Startup::new(Some(&driving()), &facts, Faults::TABLE_FALLBACK));
 
     let (mut tick, mut link) = start();
@@ -88,7 +88,7 @@ fn a_reset_ends_even_where_the_output_never_comes_to_its_safe_code() {
 #[test]
 fn the_output_is_put_on_its_pin_only_where_somebody_knows_what_is_wired_to_it() {
     let kept = DacCode(1234);
-    let again = Facts { restarts: Restarts { count: 1, safe: Some(kept), told: false }, ..FACTS };
+    let again = Facts { restarts: Restarts { count: 1, safe: Some(kept), ..Restarts::NONE }, ..FACTS };
     let none = Faults::empty();
     let half = DacCode(FACTS.interface.dac_full_scale / 2);
     for table in [compiled(), driving()] {
@@ -139,7 +139,7 @@ fn a_zero_that_a_reset_has_lost_is_said_without_valid_until_it_is_told_anew() {
     // It is kept as it is told, and not where codes are fed or it is refused.
     let mut bench = Bench::new(Some(compiled()));
     std::thread::sleep(TICKS);
-    let kept = |bench: &mut Bench, request: Request| (bench.ask(request), bench.chip.told.take());
+    let kept = |bench: &mut Bench, request: Request| (bench.ask(request), bench.told());
     assert_eq!(bench.ask(Request::SetMode(Mode::Pil)), Reply::Done);
     assert_eq!(bench.ask(Request::Feed([30_000; 20].into_iter().collect())), Reply::Fed(20));
     std::thread::sleep(TICKS);
@@ -150,5 +150,5 @@ fn a_zero_that_a_reset_has_lost_is_said_without_valid_until_it_is_told_anew() {
     for told in [Request::SetZero { at_um: 0.0 }, Request::ShiftBias { by_um: 1.0 }] {
         assert_eq!(kept(&mut bench, told), (Reply::Done, true));
     }
-    assert_eq!((block_on(bench.device.zero()), bench.chip.told.get()), (Ok(()), true), "by the button, too");
+    assert_eq!((block_on(bench.device.zero()), bench.told()), (Ok(()), true), "by the button, too");
 }

@@ -28,11 +28,14 @@ pub fn serialize_status<S: Serializer>(status: &Status, serializer: S) -> Result
 pub fn reset(cause: ResetCause, left_a_message: bool) -> String {
     let by_itself = match left_a_message {
         true => "the firmware restarted itself, after a panic",
-        false => "by software: as asked, by a debug probe, or after a failure whose message was taken since",
+        false => {
+            "by software, and no host asked for it: by a debug probe, or after a failure whose message was taken since"
+        }
     };
     let causes = [
         (ResetCause::BROWN_OUT, "power came, or sagged and came back"),
         (ResetCause::WATCHDOG, "the watchdog restarted it, since ticks or the link had stopped"),
+        (ResetCause::ASKED, "as a host asked, by itself or to use a table that it stored"),
         (ResetCause::SOFTWARE, by_itself),
         (ResetCause::PIN, "the reset button or a debug probe"),
         (ResetCause::OTHER, "a low-power, window-watchdog or option-byte reset"),

@@ -11,11 +11,12 @@ use embedded_storage_async::nor_flash::NorFlash;
 use estimator_core::DacCode;
 use estimator_core::table::Interface;
 use firmware::rate::{TICK_HZ, TICK_US};
-use firmware::restarts::Restarts;
+use firmware::restarts::{Kept, Memory, Restarts};
 use firmware::waveform::Points;
 use firmware::{Chip, Facts, Peripherals, Resources, Telemetry, Tick};
 use parameter_store::StoreError;
 use protocol::{ResetCause, Uid};
+use std::cell::Cell;
 use std::ops::Range;
 
 /// Counts of the emulated cycle counter in a second; a count is a nanosecond.
@@ -52,14 +53,16 @@ impl<P: Plant, F: NorFlash> Board<'_, P, F> {
     /// The pages do not fit the flash.
     pub async fn run(mut self) -> Result<std::convert::Infallible, StoreError> {
         let mut reset = ResetCause::BROWN_OUT;
-        let points = Points::new();
+        let (points, kept) = (Points::new(), Cell::new(Kept::default()));
+        let memory = Memory::new(&kept);
         loop {
             let mut resources = Resources::new();
             let telemetry = Telemetry::new();
             let started: Signal<NoopRawMutex, Tick<'_>> = Signal::new();
             let peripherals = Peripherals {
-                facts: facts(reset, self.uid, self.has_setpoint),
+                facts: facts(reset, memory.count(reset), self.uid, self.has_setpoint),
                 chip: Emulated,
+                memory,
                 last_words: None,
                 receiver: Receiver::new(self.line, self.speed),
                 transmitter: Transmitter(self.line),
@@ -78,12 +81,12 @@ impl<P: Plant, F: NorFlash> Board<'_, P, F> {
     }
 }
 
-/// It counts no errors, and keeps nothing over a reset.
+/// It counts no errors.
 struct Emulated;
 
 impl Chip for Emulated {}
 
-pub(crate) fn facts(reset: ResetCause, uid: Uid, has_setpoint: bool) -> Facts {
+pub(crate) fn facts(reset: ResetCause, restarts: Restarts, uid: Uid, has_setpoint: bool) -> Facts {
     Facts {
         name: "emulated",
         emulated: true,
@@ -94,7 +97,7 @@ pub(crate) fn facts(reset: ResetCause, uid: Uid, has_setpoint: bool) -> Facts {
         dac_parts: 1,
         cycles_per_tick: CYCLES_HZ / TICK_HZ,
         reset,
-        restarts: Restarts::default(),
+        restarts,
         supply_mv: None,
         brown_out_level: None,
         clock_good: true,

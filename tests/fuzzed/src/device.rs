@@ -8,7 +8,7 @@ use estimator_core::table::Interface;
 use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, Range, SetpointCalibration, Table};
 use firmware::drive::Drive;
 use firmware::panel::Front;
-use firmware::restarts::Restarts;
+use firmware::restarts::{Kept, Memory, Restarts};
 use firmware::waveform::Points;
 use firmware::{Conversion, Facts, Peripherals, Resources, Telemetry, Tick, run};
 use parameter_store::StoreError;
@@ -36,14 +36,14 @@ const FACTS: Facts = Facts {
     dac_parts: 1,
     cycles_per_tick: PERIOD,
     reset: ResetCause::empty(),
-    restarts: Restarts { count: 0, safe: None, told: false },
+    restarts: Restarts::NONE,
     supply_mv: None,
     brown_out_level: None,
     clock_good: true,
     no_store: None,
 };
 
-/// It measures, counts and keeps nothing.
+/// It measures and counts nothing.
 struct Bare;
 
 impl firmware::Chip for Bare {}
@@ -95,10 +95,12 @@ pub fn live(
 ) {
     let (line, telemetry, points) = (Line::default(), Telemetry::new(), Points::new());
     let mut resources = Resources::new();
+    let kept = Cell::new(Kept::default());
     let tick = RefCell::new(None);
     let board = Peripherals {
         facts: FACTS,
         chip: Bare,
+        memory: Memory::new(&kept),
         last_words: None,
         receiver: &line,
         transmitter: &line,

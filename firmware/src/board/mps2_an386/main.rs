@@ -20,8 +20,8 @@ use cortex_m_rt::{ExceptionFrame, exception, interrupt};
 use defmt_rtt as _;
 use embassy_executor::Spawner;
 use embassy_sync::blocking_mutex::CriticalSectionMutex;
+use estimator_core::AdcCode;
 use estimator_core::table::Interface;
-use estimator_core::{AdcCode, DacCode};
 use firmware::rate::{TICK_HZ, TICK_US};
 use firmware::waveform::Points;
 use firmware::{Chip, Facts, Peripherals, Resources, Telemetry, Tick, last_words, restarts};
@@ -36,22 +36,7 @@ const INTERFACE: Interface = Interface { tick_us: TICK_US, adc_full_scale: 65_52
 /// The emulated chip: it has no watchdog, and counts no errors.
 struct An386;
 
-impl Chip for An386 {
-    fn keep_safe(&self, code: DacCode) {
-        // SAFETY: called by the main loop.
-        unsafe { restarts::keep_safe(code) }
-    }
-
-    fn keep_told(&self) {
-        // SAFETY: called by the main loop.
-        unsafe { restarts::keep_told() }
-    }
-
-    fn forget_restarts(&self) {
-        // SAFETY: called by the main loop.
-        unsafe { restarts::forget() }
-    }
-}
+impl Chip for An386 {}
 
 /// What the tick leaves for others to read.
 static TELEMETRY: Telemetry = Telemetry::new();
@@ -76,6 +61,8 @@ async fn main(_spawner: Spawner) {
     interrupt::Uart0Receive.enable(&mut core.NVIC, 0x40);
     let (flash, reset) = flash();
     let pages = 0..flash.len() as u32;
+    // SAFETY: once, before the tick and every task.
+    let memory = unsafe { restarts::memory() };
     let facts = Facts {
         name: "mps2-an386 (emulated)",
         emulated: true,
@@ -86,8 +73,7 @@ async fn main(_spawner: Spawner) {
         dac_parts: 1,
         cycles_per_tick: CORE_HZ / TICK_HZ,
         reset,
-        // SAFETY: once, before the tick and every task.
-        restarts: unsafe { restarts::count(reset) },
+        restarts: memory.count(reset),
         supply_mv: None,
         brown_out_level: None,
         clock_good: true,
@@ -96,6 +82,7 @@ async fn main(_spawner: Spawner) {
     let board = Peripherals {
         facts,
         chip: An386,
+        memory,
         // SAFETY: once, before the tick and every task.
         last_words: unsafe { last_words::take() },
         receiver: uart::Receiver,
@@ -110,11 +97,7 @@ async fn main(_spawner: Spawner) {
     };
     static RESOURCES: ConstStaticCell<Resources> = ConstStaticCell::new(Resources::new());
     match firmware::run(board, RESOURCES.take(), &POINTS, &TELEMETRY).await {
-        Ok(()) => {
-            // SAFETY: this is the main loop, after its end.
-            unsafe { restarts::asked() };
-            SCB::sys_reset()
-        }
+        Ok(()) => SCB::sys_reset(),
         Err(error) => panic!("{error}"),
     }
 }

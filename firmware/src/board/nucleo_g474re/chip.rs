@@ -1,8 +1,7 @@
-//! What the chip does for the main loop, counts, and keeps over a reset.
+//! What the chip does for the main loop, and counts.
 
 use embassy_stm32::pac;
-use estimator_core::DacCode;
-use firmware::{Chip, restarts};
+use firmware::Chip;
 
 use super::{failure, line, supply};
 
@@ -24,20 +23,5 @@ impl Chip for Stm32G4 {
 
     fn line_errors(&self) -> u32 {
         line::errors()
-    }
-
-    fn keep_safe(&self, code: DacCode) {
-        // SAFETY: called by the main loop.
-        unsafe { restarts::keep_safe(code) }
-    }
-
-    fn keep_told(&self) {
-        // SAFETY: called by the main loop.
-        unsafe { restarts::keep_told() }
-    }
-
-    fn forget_restarts(&self) {
-        // SAFETY: called by the main loop.
-        unsafe { restarts::forget() }
     }
 }

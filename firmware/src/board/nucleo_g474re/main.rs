@@ -117,7 +117,8 @@ unsafe extern "C" {
 async fn main(_spawner: Spawner) {
     let reset = reset::cause();
     // SAFETY: once, before the tick and every task.
-    let restarts = unsafe { restarts::count(reset) };
+    let memory = unsafe { restarts::memory() };
+    let restarts = memory.count(reset);
     freeze_in_debug();
     // With its reset values, half a second: a crystal that does not start must not be waited for for ever.
     pac::IWDG.kr().write(|w| w.set_key(pac::iwdg::vals::Key::START));
@@ -170,6 +171,7 @@ async fn main(_spawner: Spawner) {
     let board = Peripherals {
         facts,
         chip: Stm32G4,
+        memory,
         // SAFETY: once, before the tick and every task.
         last_words: unsafe { last_words::take() },
         receiver,
@@ -195,11 +197,7 @@ async fn main(_spawner: Spawner) {
     };
     static RESOURCES: ConstStaticCell<Resources> = ConstStaticCell::new(Resources::new());
     match firmware::run(board, RESOURCES.take(), &POINTS, &TELEMETRY).await {
-        Ok(()) => {
-            // SAFETY: this is the main loop, after its end.
-            unsafe { restarts::asked() };
-            SCB::sys_reset()
-        }
+        Ok(()) => SCB::sys_reset(),
         Err(error) => panic!("{error}"),
     }
 }

@@ -7,6 +7,7 @@ use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::Admitted;
 use firmware::queues::{Command, Queues};
 use firmware::rate::TICK_HZ;
+use firmware::restarts::Restarts;
 use firmware::startup::Startup;
 use firmware::supply::MADE_FOR_MV;
 use firmware::waveform::Points;
@@ -50,7 +51,7 @@ impl<'t> Runs<'t> {
 
 /// The samples of so many ticks.
 fn run(table: &Admitted, fault: Option<&SignalFault>, ticks: u32) -> Vec<Sample> {
-    let facts = facts(ResetCause::BROWN_OUT, UID, false);
+    let facts = facts(ResetCause::BROWN_OUT, Restarts::NONE, UID, false);
     let (mut queues, points, telemetry) = (Queues::new(), Points::new(), Telemetry::new());
     let (of_tick, mut link) = queues.split();
     let mut tick = Tick::new(Startup::new(Some(table), &facts, Faults::empty()), &facts, of_tick, &points, &telemetry);

@@ -284,6 +284,11 @@ fn the_cause_of_a_start_is_told_and_garbage_in_memory_is_no_message() -> Result<
             assert_eq!((health.reset, health.last_words), (told, None), "{cause:?}");
         }
     }
+    bench.restart()?;
+    let own = ResetCause::SOFTWARE | ResetCause::PIN;
+    assert_eq!(bench.health()?.reset, own | ResetCause::ASKED);
+    bench.reboot(Reset::Software)?;
+    assert_eq!(bench.health()?.reset, own, "once alone");
     Ok(())
 }
 
