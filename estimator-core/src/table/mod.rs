@@ -39,10 +39,10 @@ pub struct Provenance {
     pub seed: u32,
     /// Version of the tool that made the table.
     pub tool_version: [u16; 3],
-    /// Mean absolute simulation error on the training logs, µm.
+    /// Mean absolute simulation error on the training logs, each without its own offset, µm.
     pub train_mae_um: f32,
-    /// The same on what was held out, µm, of the model before it was learnt from that, too, where it was; `None` where
-    /// nothing was held out.
+    /// Mean absolute simulation error on what was held out, offset included, µm, of the model before it was learnt from
+    /// that, too, where it was; `None` where nothing was held out.
     pub validation_mae_um: Option<f32>,
     /// Largest absolute simulation error there, µm.
     pub validation_max_um: Option<f32>,

@@ -70,7 +70,7 @@ impl Candidate {
         };
         let held_out = candidate.held_out_figures();
         let provenance = Provenance {
-            train_mae_um: candidate.training_figures().map_or(0.0, |figures| figures.mae_um as f32),
+            train_mae_um: candidate.training_figures().map_or(0.0, |figures| figures.mae_without_offset_um as f32),
             validation_mae_um: held_out.map(|figures| figures.mae_um as f32),
             validation_max_um: held_out.map(|figures| figures.max_um as f32),
             ..table.provenance
