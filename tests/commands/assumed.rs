@@ -51,6 +51,21 @@ fn which_of_the_two_calibrations_is_assumed_is_said() {
     assert!(!both.contains("calibration is assumed"), "{both}");
     let dac = said(&["--dac-span", "-8:52"]);
     assert!(dac.contains("the ADC's calibration is assumed") && !dac.contains("state --dac-span"), "{dac}");
+    let narrow = said(&["--adc-span", "-1:2", "--dac-span", "52:-8"]);
+    assert!(
+        narrow.contains("the span of the ADC (--adc-span) does not cover the logs, which need 0 … 3.6 V"),
+        "{narrow}"
+    );
+    assert!(!narrow.contains("(--dac-span)") && !narrow.contains("piezo install"), "{narrow}");
+}
+
+#[test]
+fn whether_small_voltages_are_a_monitors_is_asked_unless_that_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let said =
+        |more: &[&str]| String::from_utf8(identify(MEASURED, &folder.path().join("model"), more).stdout).unwrap();
+    let asks = "It goes from 0.000 to 3.600 V: is this voltage a monitor's";
+    assert!(said(&[]).contains(asks) && !said(&["--voltage-scale", "20"]).contains("is this voltage a monitor's"));
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::micrometres::Micrometres;
 use crate::raised::remarks;
 use crate::short::short;
 use calibration::{Assumed, CalibrationOptions};
-use estimator_core::{DuhemCondition, Status};
+use estimator_core::{DuhemCondition, Range, Status};
 use identification::validate::{Raised, compare};
 use identification::{Candidate, Converter, Doubt, FEW_REVERSALS, Outcome};
 use log_survey::{Ahead, Implausible};
@@ -135,9 +135,13 @@ pub fn doubt(doubt: &Doubt) -> String {
              could be as far off; record several amplitudes and frequencies over the full range, or choose another --model",
             Micrometres(*half_um)
         ),
-        Doubt::ConverterSpan { converter } => format!(
-            "the {} does not cover what the logs need: there the converter will stand at its end",
-            named(*converter)
+        Doubt::ConverterSpan { converter, needs: Range { min, max } } => format!(
+            "the span of the {} does not cover the logs, which need {} … {} {} of it: beyond, the converter stands at its end, and a board's \
+             estimate is wrong; state the span that its wiring has",
+            named(*converter),
+            short(*min),
+            short(*max),
+            if *converter == Converter::Adc { "V" } else { "µm" }
         ),
         Doubt::ImplausibleStroke(of) => implausible(of),
         Doubt::CalibrationAssumed { converters } => match converters {
@@ -228,7 +232,7 @@ pub fn calibrated(doubts: &mut Vec<String>, now: &CalibrationOptions) {
 /// A doubt for machines.
 pub fn doubt_json(doubt: &Doubt) -> serde_json::Result<Value> {
     let mut value = serde_json::to_value(doubt)?;
-    if let Doubt::ConverterSpan { converter } = doubt {
+    if let Doubt::ConverterSpan { converter, .. } = doubt {
         value["converter"] = json!(named(*converter));
     }
     Ok(value)
@@ -290,7 +294,7 @@ mod tests {
             Doubt::NoisyVoltage { reversals: 900, large: 20 },
             Doubt::NoBetterThanLine { error_um: 0.2179, line_um: 0.2153 },
             Doubt::WideInterval { half_um: 2.887, percent: 22.0 },
-            Doubt::ConverterSpan { converter: Converter::Adc },
+            Doubt::ConverterSpan { converter: Converter::Adc, needs: Range { min: -1.0, max: 100.0 } },
             Doubt::ImplausibleStroke(Implausible { stroke_um: 1e4, span_v: 40.0 }),
             Doubt::CalibrationAssumed { converters: Assumed::Both },
             Doubt::CalibrationAssumed { converters: Assumed::Adc },

@@ -38,7 +38,7 @@ pub use log_use::{log_use, used};
 pub use micrometres::Micrometres;
 pub use proven::proven;
 pub use reason::reason;
-pub use recipe::zeros;
+pub use recipe::{monitor_asked, zeros};
 pub use search::{search, searches};
 pub use surveyed::{remarked, surveyed};
 pub use table_file::{bring_to, table_file};

@@ -1,7 +1,19 @@
 //! How logs were prepared, in words.
 
 use crate::micrometres::Micrometres;
+use estimator_core::Range;
 use recordings::prepare::Recipe;
+
+/// Voltages that go no further may be a monitor's or an amplifier's input, V.
+const MONITOR_V: f64 = 12.0;
+
+/// What is asked of voltages (V) that may be a monitor's or an amplifier's input.
+pub fn monitor_asked(volts: Range<f64>) -> Option<&'static str> {
+    (volts.min.abs().max(volts.max.abs()) <= MONITOR_V).then_some(
+        "is this voltage a monitor's, or the amplifier's input, and not the actuator's? Then identify needs the factor between them: \
+         --voltage-scale <N>, 20 of a monitor 1:20",
+    )
+}
 
 /// Scale, zeros and delay in words.
 pub fn zeros(recipe: &Recipe) -> String {

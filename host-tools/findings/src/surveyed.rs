@@ -2,7 +2,9 @@
 
 use crate::doubt::{implausible, runs_ahead};
 use crate::flaw::flaw_found;
+use crate::recipe::monitor_asked;
 use crate::short::short;
+use estimator_core::Range;
 use log_survey::{Cell, Clock, ColumnRead, Flaw, Found, RateSource, Series, Survey};
 use recordings::log::{Log, Remark};
 
@@ -14,13 +16,6 @@ const BRIEF_S: f64 = 0.1;
 const REST: u64 = 8;
 /// Smallest part of a mean half cycle that does: a sine's crest, rounded, is one number for less.
 const PART_OF_A_HALF_CYCLE: u64 = 20;
-
-/// Voltages that go no further may be a monitor's or an amplifier's input, V.
-const MONITOR_V: f64 = 12.0;
-
-/// What is to be said of such.
-const AS_RECORDED: &str = "is this voltage a monitor's, or the amplifier's input, and not the actuator's? Then identify needs the factor \
-                           between them: --voltage-scale <N>, 20 of a monitor 1:20";
 
 /// What a displacement that no sensor has measured is, and what helps.
 const ESTIMATED: &str = "the displacement is a device's estimate, no sensor's: nothing is to be learnt from it, and no error read off it; \
@@ -47,8 +42,9 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>, hinders: Option<(&str, &
             Some(series) => {
                 ranges(&mut line, name, (unit, small), series);
                 rests(&mut line, unit, series, survey);
-                if name == "voltage" && series.low.abs().max(series.high.abs()) <= MONITOR_V {
-                    line("", AS_RECORDED);
+                let volts = Some(Range { min: series.low, max: series.high }).filter(|_| name == "voltage");
+                if let Some(asked) = volts.and_then(monitor_asked) {
+                    line("", asked);
                 }
             }
             None => line(name, refusal.unwrap_or("no column holds it")),

@@ -1,7 +1,7 @@
 //! Reasons not to trust an identification. Each doubt holds what was seen.
 
 use calibration::Assumed;
-use estimator_core::DuhemCondition;
+use estimator_core::{DuhemCondition, Range};
 use log_survey::{Ahead, Flaw, Implausible};
 use serde::Serialize;
 
@@ -142,6 +142,8 @@ pub enum Doubt {
     ConverterSpan {
         /// Which converter it is.
         converter: Converter,
+        /// What the training needs of it: voltages, V, of the ADC; estimates, µm, of the DAC.
+        needs: Range<f64>,
     },
     /// The stroke is none of a piezo actuator's, by the training logs' voltages.
     ImplausibleStroke(Implausible),

@@ -150,16 +150,20 @@ fn unmet_condition(parameters: &Parameters) -> Option<Doubt> {
 /// Converters whose span is narrower than the training logs.
 fn spans(candidate: &Candidate) -> Vec<Doubt> {
     let table = &candidate.table;
-    let inside = |values: fn(&Trace) -> &[f64], at_zero: f64, at_full: f64| {
-        let span = Range { min: at_zero.min(at_full), max: at_zero.max(at_full) };
-        candidate.training.iter().all(|comparison| values(&comparison.trace).iter().all(|x| span.contains(*x)))
+    let needed = |values: fn(&Trace) -> &[f64], zero: f64| {
+        Range::of_values(candidate.training.iter().flat_map(|of| values(&of.trace)).map(|value| value + zero))
     };
-    let volts = |code| table.adc.voltage::<f64>(AdcCode(code)) - f64::from(table.voltage_zero_v);
+    let volts = |code| table.adc.voltage::<f64>(AdcCode(code));
     let um = |code| table.dac.displacement::<f64>(DacCode(code));
-    let adc = inside(|trace| &trace.voltage, volts(0), volts(table.adc.full_scale));
-    let dac = inside(|trace| &trace.estimated, um(0), um(table.dac.full_scale));
-    let found = [(adc, Converter::Adc), (dac, Converter::Dac)];
-    found.into_iter().filter(|(inside, _)| !inside).map(|(_, converter)| Doubt::ConverterSpan { converter }).collect()
+    let adc = [volts(0), volts(table.adc.full_scale)];
+    let dac = [um(0), um(table.dac.full_scale)];
+    let found = [
+        (Converter::Adc, adc, needed(|trace| &trace.voltage, table.voltage_zero_v.into())),
+        (Converter::Dac, dac, needed(|trace| &trace.estimated, 0.0)),
+    ];
+    let covers = |span: Range<f64>, needs: &Range<f64>| span.contains(needs.min) && span.contains(needs.max);
+    let narrow = found.into_iter().filter(|(_, span, needs)| !covers(Range::of_values(*span), needs));
+    narrow.map(|(converter, _, needs)| Doubt::ConverterSpan { converter, needs }).collect()
 }
 
 #[cfg(test)]

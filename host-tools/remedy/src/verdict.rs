@@ -1,6 +1,7 @@
 //! How good an identification is, and what comes next, in words.
 
 use super::paste::{quoted, typed, with_flag};
+use estimator_core::Range;
 use findings::Micrometres;
 use identification::{Doubt, Outcome};
 use std::path::Path;
@@ -43,7 +44,13 @@ pub fn verdict(outcome: &Outcome) -> Vec<String> {
         );
     }
     sentences.push(findings::proven(&learnt.candidate.table));
-    sentences.push(format!("{}.", findings::zeros(&learnt.context.recipe)));
+    let recipe = &learnt.context.recipe;
+    sentences.push(format!("{}.", findings::zeros(recipe)));
+    let volts = outcome.learnt_from().training_voltages();
+    let recorded = Range { min: volts.min + recipe.voltage_zero_v, max: volts.max + recipe.voltage_zero_v };
+    if let Some(asked) = findings::monitor_asked(recorded).filter(|_| recipe.voltage_scale == 1.0) {
+        sentences.push(format!("It goes from {:.3} to {:.3} V: {asked}.", recorded.min, recorded.max));
+    }
     sentences
 }
 
@@ -73,10 +80,15 @@ pub fn next(doubts: &[Doubt], folder: &Path) -> String {
         return "Next: mend what the first doubt names, and identify again; until then the table belongs on no board. report.html shows the errors"
             .to_owned();
     }
-    let board = Some(typed("--board")).filter(|typed| !typed.is_empty()).unwrap_or(" --board board.toml".to_owned());
+    let board = if doubts.iter().any(|doubt| matches!(doubt, Doubt::ConverterSpan { .. })) {
+        "it belongs on a board when the spans of its converters are those of the wiring, and cover the logs".to_owned()
+    } else {
+        let board =
+            Some(typed("--board")).filter(|typed| !typed.is_empty()).unwrap_or(" --board board.toml".to_owned());
+        format!("put it on a board with `piezo install {folder}{board}`")
+    };
     format!(
-        "Next: look at report.html; try the table on another recording with `piezo validate {folder}/table.toml LOG`; put it on a board \
-         with `piezo install {folder}{board}`"
+        "Next: look at report.html; try the table on another recording with `piezo validate {folder}/table.toml LOG`; {board}"
     )
 }
 
