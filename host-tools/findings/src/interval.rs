@@ -1,6 +1,7 @@
 //! The ± beside the estimate, in words.
 
 use crate::micrometres::Micrometres;
+use crate::short::counted;
 use prediction_interval::Calibration;
 
 /// What the interval says, and where its width comes from: this many simulated devices, and the logs' own errors.
@@ -17,13 +18,13 @@ pub fn interval(interval: Option<&Calibration>, devices: u32) -> String {
     let (misfit_um, memory_um) = (parameters.misfit_um, parameters.memory_um[0]);
     let um = |um: f32| Micrometres(um.into());
     let (misfit, own) = (um(misfit_um), Micrometres(*own_um));
+    let devices = counted(devices, "simulated device");
     let cause = match misfit_um > *own_um as f32 {
         true => format!(
-            "These logs' own errors ask for ±{own:.3} µm; the rest is a prior, how far off {devices} simulated devices were that were learnt from the \
-             same voltages"
+            "These logs' own errors ask for ±{own:.3} µm; the rest is a prior, how far off was what was learnt of {devices} from the same voltages"
         ),
         false => format!(
-            "It is these logs' own errors; {devices} simulated devices that were learnt from the same voltages ask for no more"
+            "It is these logs' own errors; what was learnt of {devices} from the same voltages asks for no more"
         ),
     };
     let (anywhere_um, at_an_end_um) =

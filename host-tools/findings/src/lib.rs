@@ -40,6 +40,7 @@ pub use proven::proven;
 pub use reason::reason;
 pub use recipe::{monitor_asked, zeros};
 pub use search::{search, searches};
+pub use short::counted;
 pub use surveyed::{remarked, surveyed};
 pub use table_file::{bring_to, table_file};
 pub use unsaid::{hold_out, model};

@@ -82,8 +82,8 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>, hinders: Option<(&str, &
     if !measured && (rows > 0 || holed) {
         line("flaw", "rows are missing or have no voltage: --repair of estimate takes it to go straight on over them");
     } else if rows > 0 && !holed {
-        let words = "have no number for the voltage or the displacement: --repair of identify leaves them out";
-        line("flaw", &format!("{rows} rows {words}"));
+        let words = "rows without a number for the voltage or the displacement: --repair of identify leaves them out";
+        line("flaw", &format!("{words} ({rows} in all)"));
     }
     if survey.flaws.is_none() {
         line("", "a long log: leaps, and a voltage that is cut off, are not looked for here");

@@ -7,6 +7,7 @@ use crate::{played, supply};
 use bench::describe;
 use device_link::words;
 use estimator_core::{AdcCode, Admitted, SetpointCalibration, Status, TableError};
+use findings::counted;
 use protocol::{Faults, Health, Identity, Mode, VERSION};
 
 /// All that is known of a device.
@@ -73,7 +74,7 @@ pub fn state(known: &Known) -> Vec<String> {
     lines.extend(bits::faults(faults).map(|meaning| bullet("now", meaning)));
     lines.extend(bits::faults(health.faults_seen - faults).map(|meaning| bullet("earlier", meaning)));
     for (status, ticks) in counts(health) {
-        lines.extend(bits::status(status).map(|meaning| bullet(&format!("{ticks} ticks"), meaning)));
+        lines.extend(bits::status(status).map(|meaning| bullet(&counted(ticks, "tick"), meaning)));
     }
     if let Some(words) = &health.last_words {
         lines.push(format!("Last words of an earlier run: {words}"));

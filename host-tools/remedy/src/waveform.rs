@@ -4,6 +4,7 @@ use super::device::{link, refusal, stop};
 use super::paste::{typed, verb};
 use bench::waveform::WaveformError;
 use device_link::LinkError;
+use findings::counted;
 use protocol::{Health, Refusal};
 use std::error::Error;
 
@@ -48,14 +49,17 @@ pub fn plays(lines: u32, on_trigger: bool) -> String {
     let ends = format!("`{}`, a fault or a reset", stop());
     match lines {
         0 => format!("The device plays lines by itself{each}, until {ends}"),
-        1 => format!("The device plays 1 line by itself{each}, then goes to rest; {ends} ends it sooner"),
-        _ => format!("The device plays {lines} lines by itself{each}, then goes to rest; {ends} ends it sooner"),
+        _ => {
+            let lines = counted(lines, "line");
+            format!("The device plays {lines} by itself{each}, then goes to rest; {ends} ends it sooner")
+        }
     }
 }
 
 /// How far a waveform is, or how far it was when it ended.
 pub fn played(health: &Health, over: bool) -> String {
-    let said = format!("{} lines begun, {} triggers ignored", health.lines, health.triggers_ignored);
+    let [lines, triggers] = [counted(health.lines, "line"), counted(health.triggers_ignored, "trigger")];
+    let said = format!("{lines} begun, {triggers} ignored");
     match over {
         true => format!("{said}; it is over, and the voltage at rest or on its way there"),
         false => said,
