@@ -214,7 +214,12 @@ fn a_log_of_another_actuator_unit_or_column_is_suspected_and_says_by_what() {
     suspects(&swapped, &["the voltage is beyond what the table was learnt on 100 % of the time"]);
     suspects(&said_of(&folder, "time_s,voltage_mV,displacement_um", |row| row, &[]), &["the sensor goes over 38."]);
     let inverted = said_of(&folder, COLUMNS, |[t, v, y]| [t, v, -y], &["--rezero"]);
-    suspects(&inverted, &["without any constant the error is 44."]);
+    suspects(
+        &inverted,
+        &["the sensor falls where the table says that it rises", "without any constant the error is 44."],
+    );
+    let turned = said_of(&folder, COLUMNS, |[t, v, y]| [t, v, -y], &["--rezero", "--displacement-scale", "-1"]);
+    assert!(!turned.contains("day2: is it the actuator"), "{turned}");
 }
 
 #[test]

@@ -38,7 +38,7 @@ pub use implausible::Implausible;
 pub use reversal_curves::ReversalCurves;
 pub use rows::Found;
 pub use series::Series;
-pub use signal::{falls, is_noise, range};
+pub use signal::{correlation_of, falls, is_noise, range};
 pub use start::{prepared, repaired};
 pub use stillness::Stillness;
 pub use stroke::stroke;

@@ -31,7 +31,12 @@ fn correlation_behind(session: &Session, ticks: u32) -> f64 {
     let first = session.instants.partition_point(|&instant| instant < ticks);
     let pairs = session.instants[first..].iter().zip(&session.displacement[first..]);
     let pairs = pairs.map(|(&instant, &displacement)| (session.voltage[(instant - ticks) as usize], displacement));
-    let count = (session.instants.len() - first).max(1) as f64;
+    correlation_of(pairs)
+}
+
+/// Pearson's correlation of pairs of values, −1 … 1; 0 where one of the two rests.
+pub fn correlation_of(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
+    let count = pairs.clone().count().max(1) as f64;
     let (v, y) = pairs.clone().fold((0.0, 0.0), |(v, y), pair| (v + pair.0 / count, y + pair.1 / count));
     let [vv, vy, yy] = pairs.fold([0.0; 3], |[vv, vy, yy], pair| {
         let (dv, dy) = (pair.0 - v, pair.1 - y);

@@ -5,7 +5,7 @@ use crate::compare::Comparison;
 use crate::scope::Scope;
 use crate::told::Told;
 use estimator_core::Table;
-use log_survey::range;
+use log_survey::{correlation_of, range};
 use serde::Serialize;
 
 /// A reason to look at the log before its figures are believed.
@@ -42,6 +42,11 @@ pub enum Evidence {
         /// Part of what is scored, %.
         percent: f64,
     },
+    /// The sensor falls where the table says that it rises.
+    Reversed {
+        /// Correlation of sensor and estimate, −1 … 1.
+        correlation: f64,
+    },
     /// The sensor goes over much more or much less than the table says of the same voltages.
     Span {
         /// What the sensor goes over, µm.
@@ -73,6 +78,8 @@ const ERROR: f64 = 10.0;
 const TIMES: f64 = 3.0;
 /// Spans that differ by this factor are not one actuator's.
 const SPAN: f64 = 1.5;
+/// A correlation of sensor and estimate below this is one of a sensor that is mounted the other way.
+const REVERSED: f64 = -0.5;
 /// Part of the table's limits that a log goes over, at least, where its stroke says something.
 const MOVES: f64 = 0.03;
 /// Part of what is scored beyond the table's voltages, %.
@@ -126,6 +133,10 @@ fn evidence(comparison: &Comparison, table: &Table) -> Vec<Evidence> {
         let (less, more) = (measured_um.min(estimated_um), measured_um.max(estimated_um));
         if more > least_um && more > SPAN * less {
             found.push(Evidence::Span { measured_um, estimated_um });
+        }
+        let correlation = correlation_of(known.iter().map(|&k| (trace.measured[k], trace.estimated[k])));
+        if less > least_um && correlation < REVERSED {
+            found.push(Evidence::Reversed { correlation });
         }
     }
     let (figures, training_um) = (comparison.told.offset, f64::from(table.provenance.train_mae_um));
