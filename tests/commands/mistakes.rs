@@ -1,6 +1,6 @@
 //! What a user can get wrong: a message that names it and a remedy, exit code 2, and nothing written.
 
-use super::{MEASURED, data, refused, text};
+use super::{MEASURED, data, piezo, refused, text};
 use std::fs;
 
 #[test]
@@ -70,6 +70,9 @@ fn what_stands_in_the_place_of_a_table_is_named() {
     let [rust, record, folder] = ["table/table.rs", "table/table.bin", "table"].map(data);
     refused(&["validate", MEASURED, text(&data("table/table.toml"))], &["is no table.toml", "logs after it"]);
     refused(&["validate", text(&rust), MEASURED], &["table.rs", "is no table.toml"]);
+    let output = piezo().args(["push", MEASURED]).assert().code(2).get_output().stderr.clone();
+    let said = String::from_utf8(output).unwrap();
+    assert!(said.contains("is no table.toml") && !said.contains("logs after it"), "{said}");
     refused(&["validate", text(&record), MEASURED], &["table.bin", "is not text", "table.toml"]);
     refused(&["validate", text(&folder), MEASURED], &["is a directory", "table.toml"]);
 }

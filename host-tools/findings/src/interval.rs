@@ -80,6 +80,6 @@ mod tests {
         let (added, own) = (of(0.004), of(0.006));
         assert!(added.contains("at least ±0.0060 µm"), "{added}");
         assert!(added.contains("own errors ask for ±0.0040 µm; the rest is a prior"), "{added}");
-        assert!(own.contains("ask for no more") && !own.contains("prior"), "{own}");
+        assert!(own.contains("asks for no more") && !own.contains("prior"), "{own}");
     }
 }

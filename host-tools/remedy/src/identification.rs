@@ -285,7 +285,8 @@ fn table(error: &TableFileError) -> String {
         }
         // A log in the place of the table, or another face of it.
         TableFileError::NoTable { path, .. } if path.extension().is_none_or(|extension| extension != "toml") => {
-            format!("{}: is no table.toml: {WANTED}, and logs after it", path.display())
+            let logs = if ["validate", "estimate", "pil"].into_iter().any(verb) { ", and logs after it" } else { "" };
+            format!("{}: is no table.toml: {WANTED}{logs}", path.display())
         }
         _ => error.to_string(),
     }

@@ -1,8 +1,10 @@
 //! What is known of the board, as a file that every verb takes.
 
+use super::link::PortOption;
 use anyhow::{Context, Result};
 use bench::{BoardFacts, Wiring};
 use clap::Args;
+use device_link::Client;
 use protocol::Identity;
 use std::path::PathBuf;
 
@@ -18,24 +20,24 @@ pub struct BoardOption {
 }
 
 impl BoardOption {
+    /// What the file says.
+    pub fn facts(&self) -> Result<BoardFacts> {
+        Ok(BoardFacts::read(&self.board)?)
+    }
+
     /// Everything that a session must know of a board of this tick, µs.
-    pub fn wiring(&self, tick_us: u32) -> Result<Wiring> {
-        let facts = BoardFacts::read(&self.board)?;
-        Wiring::new(&facts, tick_us).with_context(|| self.board.display().to_string())
+    pub fn wiring(&self, facts: &BoardFacts, tick_us: u32) -> Result<Wiring> {
+        Wiring::new(facts, tick_us).with_context(|| self.board.display().to_string())
     }
 
-    /// The same of the board that is connected, which must be the one that the file was measured on.
-    pub fn wiring_of(&self, identity: &Identity) -> Result<Wiring> {
-        let wiring = self.wiring(identity.tick_us)?;
-        self.of_board(&wiring.facts, identity)?;
-        Ok(wiring)
-    }
-
-    /// Refuses a file that was measured on another board, unless that is said to be right.
-    pub fn of_board(&self, facts: &BoardFacts, identity: &Identity) -> Result<()> {
-        match self.another_board {
-            true => Ok(()),
-            false => Ok(facts.of_board(identity).with_context(|| self.board.display().to_string())?),
+    /// The board at a port, which must be the one that the file was measured on unless another is said to be right, and
+    /// what the file says.
+    pub fn connect(&self, port: &PortOption) -> Result<(Client, Identity, BoardFacts)> {
+        let facts = self.facts()?;
+        let (client, identity) = port.connect()?;
+        if !self.another_board {
+            facts.of_board(&identity).with_context(|| self.board.display().to_string())?;
         }
+        Ok((client, identity, facts))
     }
 }

@@ -9,7 +9,7 @@ use ::calibration::drive::ordered;
 use ::calibration::span::Span;
 use ::calibration::{CalibrationOptions, converter_mismatches};
 use anyhow::{Result, bail};
-use bench::{BoardFacts, NO_MODEL, OtherRange, for_board, install, refusals, rehearsal, wire_not_found};
+use bench::{NO_MODEL, OtherRange, for_board, install, refusals, rehearsal, wire_not_found};
 use clap::Args;
 use device_link::board;
 use device_link::busy::idle_as_started;
@@ -67,13 +67,12 @@ pub struct Install {
 /// Runs the verb; `false` when host and device differ in any bit.
 pub fn run(arguments: &Install) -> Result<bool> {
     let stated = arguments.table.as_deref().map(|path| for_board(path, &arguments.board.board)).transpose()?;
-    let (mut client, identity) = arguments.port.connect()?;
-    let facts = BoardFacts::read(&arguments.board.board)?;
-    arguments.board.of_board(&facts, &identity)?;
+    let (mut client, identity, facts) = arguments.board.connect(&arguments.port)?;
     let (name, table, mut doubts) = match stated {
         Some(stated) => stated,
         None => {
-            ("a straight line".into(), *arguments.board.wiring(identity.tick_us)?.line(), vec![NO_MODEL.to_owned()])
+            let wiring = arguments.board.wiring(&facts, identity.tick_us)?;
+            ("a straight line".into(), *wiring.line(), vec![NO_MODEL.to_owned()])
         }
     };
     remedy::calibrated(&mut doubts, &facts.calibration(&CalibrationOptions::default()));

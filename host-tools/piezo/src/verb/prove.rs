@@ -61,8 +61,8 @@ pub struct Prove {
 pub fn run(arguments: &Prove) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
     let _held = output::to_folder(&arguments.out)?;
-    let (mut client, identity) = arguments.port.connect()?;
-    let wiring = arguments.board.wiring_of(&identity)?;
+    let (mut client, identity, facts) = arguments.board.connect(&arguments.port)?;
+    let wiring = arguments.board.wiring(&facts, identity.tick_us)?;
     let busy = arguments.interrupting.consent(&mut client, arguments.dry_run)?;
     let log = arguments.out.join("proven.csv");
     let duration_s = arguments.minutes.map_or(arguments.seconds, |minutes| 60.0 * minutes);

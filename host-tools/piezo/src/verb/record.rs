@@ -51,13 +51,13 @@ pub struct Record {
 pub fn run(arguments: &Record) -> Result<bool> {
     let mut file = arguments.overwrite.growing(&arguments.out, &[])?;
     let interrupt = Interrupt::watch()?;
+    let facts = arguments.board.as_deref().map(BoardFacts::read).transpose()?;
     let (mut client, identity) = arguments.port.connect()?;
     let health = client.health()?;
     require_estimating(&health, &arguments.port.port)?;
     let tick_us = identity.tick_us;
     let ticks = arguments.samples.or(arguments.seconds.map(|s| (s * 1e6 / f64::from(tick_us)).round() as u64));
     ensure!(ticks != Some(0), "--seconds is less than one tick of {tick_us} µs");
-    let facts = arguments.board.as_deref().map(BoardFacts::read).transpose()?;
     if let (Some(path), Some(Err(other))) = (&arguments.board, facts.map(|facts| facts.of_board(&identity))) {
         eprintln!("piezo: careful: {}: {other}: the sensor's µm are by its span", path.display());
     }

@@ -52,10 +52,10 @@ pub struct Train {
 pub fn run(arguments: &Train) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
     unoccupied(&arguments.out)?;
-    let device = if arguments.dry_run { None } else { Some(arguments.port.connect()?) };
+    let device = if arguments.dry_run { None } else { Some(arguments.board.connect(&arguments.port)?) };
     let wiring = match &device {
-        Some((_, identity)) => arguments.board.wiring_of(identity)?,
-        None => arguments.board.wiring(TICK_US)?,
+        Some((_, identity, facts)) => arguments.board.wiring(facts, identity.tick_us)?,
+        None => arguments.board.wiring(&arguments.board.facts()?, TICK_US)?,
     };
     let drive = arguments.excitation.drive(&wiring, 60.0 * arguments.minutes)?;
     if let Some(file) = &arguments.drive {
@@ -66,7 +66,7 @@ pub fn run(arguments: &Train) -> Result<bool> {
     if !arguments.json {
         said.iter().for_each(|line| out(&format!("- {line}")));
     }
-    let Some((mut client, _)) = device else {
+    let Some((mut client, ..)) = device else {
         let taught = taught(&wiring, &drive).ok().and_then(Result::ok);
         if arguments.json {
             let would = json!({ "covers": said, "seconds": drive.duration_s(), "teaches": taught });

@@ -29,7 +29,7 @@ pub enum Fault {
     #[error("holds no data: record or export the log again")]
     Empty,
     /// Neither text nor of a binary format that is read.
-    #[error("is {what}, not a text table: export the log as CSV, or as a .mat or .tdms file")]
+    #[error("is {what}, and no log that can be read: export the recording as CSV, or as a .mat or .tdms file")]
     Binary {
         /// What the file looks like.
         what: &'static str,
