@@ -9,6 +9,7 @@ use crate::peripherals::Peripherals;
 use crate::queues::Queues;
 use crate::restarts::SOON;
 use crate::startup::Startup;
+use crate::supply::Measured;
 use crate::telemetry::Telemetry;
 use crate::tick::Tick;
 use crate::waveform::Points;
@@ -67,7 +68,8 @@ pub async fn run<'r, C: Chip, R: Read, W: Write, F: NorFlash, P: Front, S: FnOnc
     let link_end = LinkEnd { queues: link_queues, points, telemetry };
     let device = Device::new(facts, &chip, memory, chosen, last_words, store, link_end);
     let link = Link::new(device, board.receiver, board.transmitter, Panel::new(board.front));
-    telemetry.begin(&facts);
+    let mut supply = Measured::of(facts.supply_mv);
+    telemetry.begin(&facts, &supply);
     (board.start)(tick);
     // Begins the first measurement; what it gives is from before.
     chip.measure_supply();
@@ -90,7 +92,8 @@ pub async fn run<'r, C: Chip, R: Read, W: Write, F: NorFlash, P: Front, S: FnOnc
                 memory.forget();
             }
             Timer::after(WATCHDOG).await;
-            telemetry.supply.take(chip.measure_supply());
+            supply.take(chip.measure_supply());
+            telemetry.supply.publish(&supply);
             if telemetry.faults() != faults {
                 faults = telemetry.faults();
                 log_faults(faults);

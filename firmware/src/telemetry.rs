@@ -9,7 +9,7 @@ use crate::correction::Given;
 use crate::facts::Facts;
 use crate::ramp::Stride;
 use crate::rate::ticks_in;
-use crate::supply::Supply;
+use crate::supply::{Measured, Supply};
 use bias::Bias;
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering::Relaxed};
 use estimator_core::{AdcCode, Status};
@@ -145,8 +145,8 @@ impl Telemetry {
     }
 
     /// Before the first tick: takes the supply at boot, from which on the DAC is given what it is to be at that.
-    pub fn begin(&self, facts: &Facts) {
-        self.supply.take(facts.supply_mv);
+    pub fn begin(&self, facts: &Facts, supply: &Measured) {
+        self.supply.publish(supply);
         self.given.begin(facts, &self.supply);
     }
 

@@ -10,6 +10,7 @@ use firmware::queues::Command;
 use firmware::restarts::Restarts;
 use firmware::setpoint::CALM_TICKS;
 use firmware::startup::Startup;
+use firmware::supply::Measured;
 use firmware::watch::{HOLD, SATURATED};
 use firmware::{Conversion, Facts};
 use protocol::{Faults, Mode};
@@ -187,7 +188,7 @@ fn every_way_out_is_a_ramp() {
         ("follow", |device| device.bench.set(Mode::Follow)),
         ("excite", |device| device.bench.set(Mode::Excite)),
         ("supply", |device| {
-            (0..2).for_each(|_| device.bench.link.telemetry.supply.take(Some(3000.0)));
+            device.bench.link.telemetry.supply.publish(&Measured::of(Some(3000.0)));
         }),
         ("monitor", |device| {
             for _ in 0..SATURATED + 200 {

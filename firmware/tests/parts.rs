@@ -8,6 +8,7 @@ use estimator_core::{AdcCode, Admitted, DacCode};
 use firmware::queues::Command;
 use firmware::shaping::{DacParts, PARTS};
 use firmware::startup::Startup;
+use firmware::supply::Measured;
 use firmware::{Facts, Tick};
 use protocol::{Faults, Mode, Sample};
 
@@ -19,7 +20,7 @@ const STRIDE: u16 = 328;
 fn fine(table: &Admitted, supply_mv: f32) -> (Tick<'static>, LinkEnd) {
     let facts = Facts { supply_mv: Some(supply_mv), ..FINE };
     let (tick, link) = started(Startup::new(Some(table), &facts, Faults::empty()));
-    link.telemetry.begin(&facts);
+    link.telemetry.begin(&facts, &Measured::of(facts.supply_mv));
     link.telemetry.streaming.store(true, Relaxed);
     (tick, link)
 }

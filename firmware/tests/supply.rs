@@ -9,7 +9,7 @@ use estimator_core::{AdcCalibration, AdcCode, Admitted, Estimator, Status, Table
 use firmware::Tick;
 use firmware::correction::Correction;
 use firmware::queues::Command;
-use firmware::supply::{MADE_FOR_MV, OVERDUE, Supply};
+use firmware::supply::{MADE_FOR_MV, Measured, OVERDUE, Supply};
 use firmware::watch::{HOLD, SATURATED};
 use protocol::{Faults, Mode};
 
@@ -31,17 +31,19 @@ struct Bench {
     tick: Tick<'static>,
     link: LinkEnd,
     k: u32,
+    measured: Measured,
 }
 
 impl Bench {
     fn new() -> Self {
         let (tick, link) = tick(Some(&compiled()), Faults::empty());
         link.telemetry.streaming.store(true, Relaxed);
-        Self { tick, link, k: 0 }
+        Self { tick, link, k: 0, measured: Measured::default() }
     }
 
-    fn measures(&self, mv: f32) {
-        self.link.telemetry.supply.take(Some(mv));
+    fn measures(&mut self, mv: impl Into<Option<f32>>) {
+        self.measured.take(mv.into());
+        self.link.telemetry.supply.publish(&self.measured);
     }
 
     /// The sample of a code.
@@ -139,19 +141,23 @@ fn at_the_start_and_where_the_estimate_begins_anew_it_counts_at_once() {
 
 #[test]
 fn what_is_no_supply_corrects_nothing_and_is_a_fault() {
-    let supply = Supply::new();
+    let (supply, mut measured) = (Supply::new(), Measured::default());
+    let mut take = |mv| {
+        measured.take(mv);
+        supply.publish(&measured);
+    };
     assert_eq!((supply.off(), supply.mv(), supply.bad()), (0, None, false), "not measured yet");
     for mv in [0.0, 3100.0, 3500.0, 1e9, f32::INFINITY, f32::NAN] {
-        supply.take(Some(mv));
+        take(Some(mv));
         assert_eq!((supply.off(), supply.bad()), (0, true), "{mv} mV");
     }
-    supply.take(Some(3333.0));
+    take(Some(3333.0));
     assert_eq!((supply.off(), supply.bad()), (655, false), "the first that is good");
     for (mv, bad) in [(3500.0, false), (3100.0, true), (3100.0, true)] {
-        supply.take(Some(mv));
+        take(Some(mv));
         assert_eq!((supply.off(), supply.bad()), (655, bad), "as before {mv} mV");
     }
-    supply.take(None);
+    take(None);
     assert_eq!((supply.off(), supply.mv(), supply.bad()), (655, Some(3100), true), "nothing says that it is better");
 }
 
@@ -202,20 +208,20 @@ fn a_supply_that_is_not_measured_any_more_is_a_fault_and_one_that_never_was_is_n
         }
         seen
     };
-    let never = |bench: &Bench| bench.link.telemetry.supply.take(None);
+    let never = |bench: &mut Bench| bench.measures(None);
     for _ in 0..10 {
-        never(&bench);
+        never(&mut bench);
         assert_eq!(faults(&mut bench, MEASURED), Faults::empty(), "this board cannot");
     }
     bench.measures(3_250.0);
     for missing in 1..OVERDUE {
-        never(&bench);
+        never(&mut bench);
         assert_eq!(faults(&mut bench, MEASURED), Faults::empty(), "{missing} did not come");
     }
     bench.measures(3_250.0);
-    (1..OVERDUE).for_each(|_| never(&bench));
+    (1..OVERDUE).for_each(|_| never(&mut bench));
     assert_eq!(faults(&mut bench, MEASURED), Faults::empty(), "they were not in a row");
-    never(&bench);
+    never(&mut bench);
     let lasting = Faults::SUPPLY | Faults::SAFE_OUTPUT;
     assert_eq!((faults(&mut bench, MEASURED), bench.link.telemetry.supply.mv()), (lasting, Some(3_250)));
     // It is off when it is measured again, which is no disturbance of one that was good.

@@ -10,7 +10,7 @@ use firmware::queues::Command;
 use firmware::setpoint::CALM_TICKS;
 use firmware::shaping::DacParts;
 use firmware::startup::Startup;
-use firmware::supply::MADE_FOR_MV;
+use firmware::supply::{MADE_FOR_MV, Measured};
 use firmware::{Conversion, Facts, Tick};
 use protocol::{Faults, Mode, Sample};
 
@@ -30,8 +30,9 @@ struct Bench {
     link: LinkEnd,
     table: Admitted,
     k: u32,
-    /// The supply, and what the DAC has been given.
+    /// The supply, what was measured of it, and what the DAC has been given.
     mv: f32,
+    measured: Measured,
     given: DacParts,
     /// What the controller and the sensor have, in codes of the supply that all is made for.
     wants: f32,
@@ -43,10 +44,16 @@ impl Bench {
     fn new(table: Admitted, mv: f32) -> Self {
         let facts = Facts { supply_mv: Some(mv), ..FACTS };
         let (tick, link) = started(Startup::new(Some(&table), &facts, Faults::empty()));
-        link.telemetry.begin(&facts);
+        let measured = Measured::of(facts.supply_mv);
+        link.telemetry.begin(&facts, &measured);
         link.telemetry.streaming.store(true, Relaxed);
         let (given, wants) = (link.telemetry.safe_given(), wanting(30.0));
-        Self { tick, link, table, k: 0, mv, given, wants, senses: 40_000.0 }
+        Self { tick, link, table, k: 0, mv, measured, given, wants, senses: 40_000.0 }
+    }
+
+    fn measure(&mut self) {
+        self.measured.take(Some(self.mv));
+        self.link.telemetry.supply.publish(&self.measured);
     }
 
     /// The pin's voltage, in codes of the supply that all is made for.
@@ -57,7 +64,7 @@ impl Bench {
     /// A tick, of which every fortieth has the supply measured before.
     fn step(&mut self) -> Sample {
         if self.k.is_multiple_of(MEASURED) {
-            self.link.telemetry.supply.take(Some(self.mv));
+            self.measure();
         }
         let adc = &self.table.adc;
         let zero = f32::from(adc.code(0.0f32).0);
@@ -204,7 +211,7 @@ fn while_it_is_paused_and_while_codes_are_fed_the_output_goes_along_too() {
         bench.mv = 3400.0;
         for k in 0..8_000 {
             if k % MEASURED == 0 {
-                bench.link.telemetry.supply.take(Some(bench.mv));
+                bench.measure();
             }
             bench.given = bench.tick.sample(AdcCode(30_000).into(), k * PERIOD);
         }

@@ -7,6 +7,7 @@ use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, Estimator, Status};
 use firmware::Conversion;
 use firmware::queues::Command;
+use firmware::supply::Measured;
 use firmware::telemetry::STALLED;
 use firmware::watch::{HOLD, OUT_OF_RANGE, SATURATED, STUCK};
 use protocol::{Faults, Mode};
@@ -120,9 +121,10 @@ fn a_lasting_fault_sends_the_dac_to_its_safe_value_until_a_second_after_its_end(
 #[test]
 fn a_supply_out_of_tolerance_is_a_fault_until_a_second_after() {
     let (mut tick, link) = tick(Some(&compiled()), Faults::empty());
-    let mut k = 0;
+    let (mut k, mut measured) = (0, Measured::default());
     let mut safe_ticks = |mv, ticks| {
-        link.telemetry.supply.take(mv);
+        measured.take(mv);
+        link.telemetry.supply.publish(&measured);
         (0..ticks)
             .filter(|_| {
                 k += 1;
@@ -142,7 +144,7 @@ fn a_supply_out_of_tolerance_is_a_fault_until_a_second_after() {
 #[test]
 fn a_supply_out_of_tolerance_at_the_start_is_believed_at_once() {
     let (mut tick, link) = tick(Some(&compiled()), Faults::empty());
-    link.telemetry.supply.take(Some(3100.0));
+    link.telemetry.supply.publish(&Measured::of(Some(3100.0)));
     assert!((0..100).all(|k| tick.sample(triangle(k).into(), k * PERIOD) == SAFE));
 }
 

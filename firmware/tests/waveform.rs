@@ -8,6 +8,7 @@ use core::num::NonZeroU16;
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, Admitted, DacCode, Inverse, Pace, Transition};
 use firmware::queues::Command;
+use firmware::supply::Measured;
 use firmware::watch::{HOLD, SATURATED};
 use protocol::{Faults, Mode, Playback};
 
@@ -197,7 +198,7 @@ fn every_way_out_is_a_ramp() {
         ("follow", |scanner| scanner.bench.set(Mode::Follow)),
         ("excite", |scanner| scanner.bench.set(Mode::Excite)),
         ("supply", |scanner| {
-            (0..2).for_each(|_| scanner.bench.link.telemetry.supply.take(Some(3000.0)));
+            scanner.bench.link.telemetry.supply.publish(&Measured::of(Some(3000.0)));
         }),
         ("monitor", |scanner| {
             for _ in 0..SATURATED + 200 {

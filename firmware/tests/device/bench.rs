@@ -8,6 +8,7 @@ use firmware::boot::Chosen;
 use firmware::link::Device;
 use firmware::restarts::Memory;
 use firmware::startup::Startup;
+use firmware::supply::Measured;
 use firmware::{Chip, Conversion, Tick};
 use parameter_store::{ParameterStore, RamFlash};
 use protocol::{Faults, Reply, Request, ResetCause, TableSource, text};
@@ -79,7 +80,7 @@ impl Bench {
         (mut tick, rest): (Tick<'static>, LinkEnd),
         conversion: impl Fn(u32, DacCode) -> Conversion + Send + 'static,
     ) -> Self {
-        rest.telemetry.supply.take(FACTS.supply_mv);
+        rest.telemetry.supply.publish(&Measured::of(FACTS.supply_mv));
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();
         let mut dac = rest.telemetry.safe();

@@ -3,6 +3,7 @@
 use crate::bench::{Bench, TICKS, push};
 use crate::common::{driving, linearising};
 use core::sync::atomic::Ordering::Relaxed;
+use firmware::supply::Measured;
 use protocol::{Faults, Mode, Refusal, Reply, Request};
 use std::sync::Arc;
 use std::sync::atomic::AtomicU16;
@@ -55,7 +56,7 @@ fn a_fault_of_the_set_point_refuses_the_set_point_alone() {
         assert_eq!(bench.ask(Request::SetMode(Mode::Linearise)), Reply::Refused(Refusal::Faulty));
         assert_eq!((bench.ask(Request::SetMode(mode)), bench.device.telemetry.mode()), (Reply::Done, mode));
         // What concerns every drive refuses every one.
-        (0..2).for_each(|_| bench.device.telemetry.supply.take(Some(3000.0)));
+        bench.device.telemetry.supply.publish(&Measured::of(Some(3000.0)));
         bench.until(Faults::SUPPLY);
         for mode in [Mode::Follow, Mode::Excite, Mode::Linearise] {
             assert_eq!(bench.ask(Request::SetMode(mode)), Reply::Refused(Refusal::Faulty), "{mode:?}");

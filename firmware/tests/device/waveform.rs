@@ -5,6 +5,7 @@ use crate::common::{FACTS, PERIOD, compiled, driving, started, triangle};
 use core::num::NonZeroU16;
 use core::sync::atomic::Ordering::Relaxed;
 use firmware::startup::Startup;
+use firmware::supply::Measured;
 use protocol::waveform::checksum;
 use protocol::{Faults, MOST_POINTS, Mode, Playback, Refusal, Reply, Request};
 
@@ -93,7 +94,7 @@ fn it_takes_a_drive_a_trigger_input_where_one_is_waited_for_and_an_output_withou
     assert_eq!(blind.ask(Request::Play(how(&POINTS))), Reply::Refused(Refusal::NoTriggerInput));
     assert_eq!(blind.ask(Request::Play(Playback { on_trigger: false, ..how(&POINTS) })), Reply::Done);
     let mut faulty = loaded();
-    (0..2).for_each(|_| faulty.device.telemetry.supply.take(Some(3000.0)));
+    faulty.device.telemetry.supply.publish(&Measured::of(Some(3000.0)));
     faulty.until(Faults::SUPPLY);
     assert_eq!(faulty.ask(Request::Play(how(&POINTS))), Reply::Refused(Refusal::Faulty));
 }

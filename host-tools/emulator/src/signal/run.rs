@@ -9,7 +9,7 @@ use firmware::queues::{Command, Queues};
 use firmware::rate::TICK_HZ;
 use firmware::restarts::Restarts;
 use firmware::startup::Startup;
-use firmware::supply::MADE_FOR_MV;
+use firmware::supply::{MADE_FOR_MV, Measured};
 use firmware::waveform::Points;
 use firmware::{Telemetry, Tick};
 use protocol::{Faults, ResetCause, Sample};
@@ -60,12 +60,14 @@ fn run(table: &Admitted, fault: Option<&SignalFault>, ticks: u32) -> Vec<Sample>
     let (min, max) = (f64::from(range.min) + zero, f64::from(range.max) + zero);
     let mut noise = ChaCha8Rng::seed_from_u64(1);
     let mut before = read(&table.adc, zero, f64::from(MADE_FOR_MV));
+    let mut supply = Measured::default();
     let mut samples: Vec<Sample> = Vec::with_capacity(ticks as usize);
     for k in 0..ticks {
         let now = fault.filter(|fault| (BEGINS..BEGINS + fault.ticks).contains(&k));
         let supply_mv = now.map_or(f64::from(MADE_FOR_MV), SignalFault::supply_mv);
         if k % MEASURED == 0 {
-            telemetry.supply.take(Some(supply_mv as f32));
+            supply.take(Some(supply_mv as f32));
+            telemetry.supply.publish(&supply);
         }
         if k == TOLD {
             // What it is already, so that a bias which is lost is no error of its own. There is room for a command.
