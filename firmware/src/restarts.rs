@@ -92,7 +92,7 @@ pub unsafe fn memory() -> Memory<'static> {
 }
 
 impl<'m> Memory<'m> {
-    /// Memory of a board whose resets clear it, or are none.
+    /// Memory of a board that has no such place: it lasts as long as its owner.
     pub fn new(kept: &'m Cell<Kept>) -> Self {
         Self(kept)
     }

@@ -144,7 +144,7 @@ impl Telemetry {
         }
     }
 
-    /// Before the first tick: takes the supply at boot, from which on the DAC is given what it is to be at that.
+    /// Before the first tick: publishes the supply at boot, from which on the DAC is given what it is to be at that.
     pub fn begin(&self, facts: &Facts, supply: &Measured) {
         self.supply.publish(supply);
         self.given.begin(facts, &self.supply);

@@ -64,7 +64,7 @@ fn whether_small_voltages_are_a_monitors_is_asked_unless_that_is_said() {
     let folder = tempfile::tempdir().unwrap();
     let said =
         |more: &[&str]| String::from_utf8(identify(MEASURED, &folder.path().join("model"), more).stdout).unwrap();
-    let asks = "It goes from 0.000 to 3.600 V: is this voltage a monitor's";
+    let asks = "The voltage goes from 0.000 to 3.600 V: is this voltage a monitor's";
     assert!(said(&[]).contains(asks) && !said(&["--voltage-scale", "20"]).contains("is this voltage a monitor's"));
 }
 

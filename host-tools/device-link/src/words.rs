@@ -35,7 +35,7 @@ pub fn reset(cause: ResetCause, left_a_message: bool) -> String {
     let causes = [
         (ResetCause::BROWN_OUT, "power came, or sagged and came back"),
         (ResetCause::WATCHDOG, "the watchdog restarted it, since ticks or the link had stopped"),
-        (ResetCause::ASKED, "as a host asked, by itself or to use a table that it stored"),
+        (ResetCause::ASKED, "a host asked for it, as it does after storing a table"),
         (ResetCause::SOFTWARE, by_itself),
         (ResetCause::PIN, "the reset button or a debug probe"),
         (ResetCause::OTHER, "a low-power, window-watchdog or option-byte reset"),

@@ -136,12 +136,13 @@ pub fn doubt(doubt: &Doubt) -> String {
             Micrometres(*half_um)
         ),
         Doubt::ConverterSpan { converter, needs: Range { min, max } } => format!(
-            "the span of the {} does not cover the logs, which need {} … {} {} of it: beyond, the converter stands at its end, and a board's \
-             estimate is wrong; state the span that its wiring has",
+            "the span of the {} does not cover the logs, which need {} … {} {} of it: beyond, the converter stands at its end{}; state the \
+             span that its wiring has",
             named(*converter),
             short(*min),
             short(*max),
-            if *converter == Converter::Adc { "V" } else { "µm" }
+            if *converter == Converter::Adc { "V" } else { "µm" },
+            if *converter == Converter::Adc { ", and a board's estimate is wrong" } else { "" }
         ),
         Doubt::ImplausibleStroke(of) => implausible(of),
         Doubt::CalibrationAssumed { converters } => match converters {

@@ -55,7 +55,7 @@ fn evidence(evidence: &Evidence) -> String {
         ),
         Evidence::Reversed { correlation } => format!(
             "the sensor falls where the table says that it rises (correlation {correlation:.2}): is it mounted the other way than in the \
-             training? --displacement-scale of the other sign turns it round"
+             training (--displacement-scale of the other sign), or the voltage inverted (--voltage-scale)?"
         ),
         Evidence::Error { percent, training_um } => format!(
             "without any constant the error is {percent:.1} % of the stroke, and it was {:.3} µm in training",

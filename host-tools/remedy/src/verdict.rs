@@ -49,7 +49,7 @@ pub fn verdict(outcome: &Outcome) -> Vec<String> {
     let volts = outcome.learnt_from().training_voltages();
     let recorded = Range { min: volts.min + recipe.voltage_zero_v, max: volts.max + recipe.voltage_zero_v };
     if let Some(asked) = findings::monitor_asked(recorded).filter(|_| recipe.voltage_scale == 1.0) {
-        sentences.push(format!("It goes from {:.3} to {:.3} V: {asked}.", recorded.min, recorded.max));
+        sentences.push(format!("The voltage goes from {:.3} to {:.3} V: {asked}.", recorded.min, recorded.max));
     }
     sentences
 }
