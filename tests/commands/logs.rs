@@ -126,6 +126,7 @@ fn what_is_no_measurement_is_found_and_repair_gives_the_error_of_a_log_without_i
     let misread = |row: usize, v: f64| if [2_000, 2_001, 6_000].contains(&row) { v - 300.0 } else { v };
     let misread = clean.voltage.iter().enumerate().map(|(row, &v)| misread(row, v)).collect();
     let misread = Log { voltage: misread, ..clean.clone() };
+    let stepped = displaced(&clean, |row, y| if row < 2_500 { y } else { y + 5.0 });
     for (log, kind) in [
         (spike, "spike"),
         (spikes, "spike"),
@@ -133,6 +134,7 @@ fn what_is_no_measurement_is_found_and_repair_gives_the_error_of_a_log_without_i
         (beyond, "frozen"),
         (cut, "clipped"),
         (misread, "voltage-spike"),
+        (stepped, "step"),
     ] {
         let (spoilt, its, flaws, first) = fit(&log, &[]);
         assert_eq!((flaws, first), (vec![kind.to_owned()], true));

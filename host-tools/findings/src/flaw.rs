@@ -33,6 +33,10 @@ pub fn flaw(worst: &Flaw, count: usize) -> String {
                 "the file has no number for the voltage or the displacement, or no row, {which}from {from_s:.4} to {to_s:.4} s"
             )
         }
+        Flaw::Step { leap_um, .. } => format!(
+            "the displacement steps{times} by {leap_um:+.3} µm near {from_s:.4} s, where the voltage does not, and goes on at that level (a sensor \
+             that was touched or lost count, or recordings with other zeros that were joined)"
+        ),
         Flaw::Missing { leap_v, leap_um, .. } => format!(
             "voltage and displacement leap together{times} from {from_s:.4} to {to_s:.4} s, by {leap_v:.3} V and {leap_um:.3} µm, and go on as \
              before: samples may be missing here, unless the drive leapt or recordings were joined"
@@ -44,6 +48,7 @@ pub fn flaw(worst: &Flaw, count: usize) -> String {
 pub fn flaw_scored(worst: &Flaw, count: usize, repaired: bool) -> String {
     let so = match worst {
         Flaw::Missing { .. } => "the errors above take it for one course",
+        Flaw::Step { .. } if repaired => "the errors above take what lies behind it back by that",
         _ if repaired => "the errors above leave it out",
         _ => "the errors above take it for a measurement",
     };
@@ -52,9 +57,10 @@ pub fn flaw_scored(worst: &Flaw, count: usize, repaired: bool) -> String {
 
 /// The same with its row, counted from 1, before anything is learnt.
 pub fn flaw_found(worst: &Flaw, count: usize, row: u64) -> String {
-    let helps = match worst.repairable() {
-        true => "--repair of identify leaves it out",
-        false => "nothing can repair that; record it again, or use what lies before it or behind",
+    let helps = match worst {
+        Flaw::Step { .. } => "--repair of identify takes what lies behind it back by that",
+        _ if worst.repairable() => "--repair of identify leaves it out",
+        _ => "nothing can repair that; record it again, or use what lies before it or behind",
     };
     format!("{}, row {row}: {helps}", flaw(worst, count))
 }
@@ -84,6 +90,14 @@ pub(crate) fn flawed(log: &str, worst: &Flaw, count: usize, left_out: bool, most
         (Flaw::Hole { .. }, true) => format!(
             "in {log} {what}: what was measured there was left out, and the voltage is taken to go straight on (--repair); where it reversed \
              there, what was learnt of the next swing is wrong by that"
+        ),
+        (Flaw::Step { .. }, true) => format!(
+            "in {log} {what}: what was measured behind it was taken back by that (--repair), which is as exact as the step is sharp; record it \
+             again without"
+        ),
+        (Flaw::Step { .. }, false) if !most => format!(
+            "in {log} {what}, and it was learnt and judged as if the actuator had stepped: record it again, or have what lies behind it taken back \
+             with --repair"
         ),
         (_, true) => {
             format!("in {log} {what}: what was measured there was left out (--repair); record it again without")
@@ -118,6 +132,15 @@ mod tests {
             as_it_is.ends_with("leave it out with --repair") && repaired.contains("straight from the row before"),
             "{repaired}"
         );
+        let step = Flaw::Step { at, leap_um: -5.0 };
+        let (found, doubt) = (flaw_found(&step, 1, 2_501), flawed("a", &step, 1, false, false));
+        assert!(
+            found.contains("steps by -5.000 µm near 1.2500 s")
+                && found.ends_with("takes what lies behind it back by that"),
+            "{found}"
+        );
+        assert!(doubt.ends_with("have what lies behind it taken back with --repair"), "{doubt}");
+        assert!(flawed("a", &step, 1, true, false).contains("was taken back by that (--repair)"));
         let missing = Flaw::Missing { at, leap_v: 3.0, leap_um: 0.4 };
         let (found, doubt) = (flaw_found(&missing, 1, 2_501), flawed("a", &missing, 1, false, false));
         assert!(

@@ -5,9 +5,10 @@ mod commanded;
 mod leaps;
 mod missing;
 mod repair;
+mod steps;
 mod voltage;
 
-use crate::signal::{ends, range};
+use crate::signal::{ends, range, resolution};
 use recordings::log::Log;
 use serde::Serialize;
 use std::mem::discriminant;
@@ -23,6 +24,7 @@ use repair::{leave_out, mended};
 
 use leaps::{ROWS, at_ends, least_leap, spikes};
 use missing::missing;
+use steps::steps;
 use voltage::{voltage_spikes, without};
 
 /// A stretch of a log that does not show what the actuator did.
@@ -73,6 +75,14 @@ pub enum Flaw {
         #[serde(flatten)]
         at: Stretch,
     },
+    /// The displacement goes on at another level from the middle of some rows on, and the voltage does not step there.
+    Step {
+        /// The rows within which it changes.
+        #[serde(flatten)]
+        at: Stretch,
+        /// How far the level is above the one before, µm.
+        leap_um: f64,
+    },
     /// Both leap together from one row to the next as nowhere near, and go on as before: samples may
     /// be missing between.
     Missing {
@@ -108,6 +118,7 @@ impl Flaw {
         | Self::Clipped { at, .. }
         | Self::VoltageSpike { at, .. }
         | Self::Hole { at }
+        | Self::Step { at, .. }
         | Self::Missing { at, .. }) = *self;
         at
     }
@@ -120,12 +131,13 @@ impl Flaw {
         | Self::Clipped { at, .. }
         | Self::VoltageSpike { at, .. }
         | Self::Hole { at }
+        | Self::Step { at, .. }
         | Self::Missing { at, .. }) = &mut self;
         (at.from_s, at.to_s) = (at.from_s + by_s, at.to_s + by_s);
         self
     }
 
-    /// Whether it can be left out: what is missing without a trace in the time stamps cannot.
+    /// Whether it can be mended: what is missing without a trace in the time stamps cannot.
     pub fn repairable(&self) -> bool {
         !matches!(self, Self::Missing { .. })
     }
@@ -134,6 +146,7 @@ impl Flaw {
     pub fn size(&self) -> f64 {
         match *self {
             Self::Spike { leap_um, .. } | Self::Missing { leap_um, .. } => leap_um,
+            Self::Step { leap_um, .. } => leap_um.abs(),
             Self::VoltageSpike { leap_v, .. } => leap_v,
             Self::Frozen { at, .. } | Self::Clipped { at, .. } | Self::Hole { at } => at.to_s - at.from_s,
         }
@@ -193,6 +206,17 @@ pub(crate) fn in_rows(voltage: &[f64], displacement: &[f64], start_s: f64, perio
     }));
     found.extend(misread.iter().map(|&(first, last, leap_v)| Flaw::VoltageSpike { at: at(first, last), leap_v }));
     let lost = missing(voltage, displacement, volts, stroke);
+    let near = |row: usize| {
+        let Stretch { from_s, to_s } = at(row.saturating_sub(steps::ROWS), row + 1 + steps::ROWS);
+        move |flaw: &Flaw| flaw.at().from_s <= to_s && from_s <= flaw.at().to_s
+    };
+    // What begins and ends another flaw is that one's.
+    let stepped: Vec<Flaw> = steps(voltage, displacement, volts, stroke, period)
+        .into_iter()
+        .filter(|&(row, _)| !found.iter().any(near(row)) && lost.iter().all(|of| of.0.abs_diff(row) > steps::ROWS))
+        .map(|(row, leap_um)| Flaw::Step { at: at(row + 1 - steps::SPREAD, row + steps::SPREAD), leap_um })
+        .collect();
+    found.extend(stepped);
     found.extend(lost.iter().map(|&(row, leap_v, leap_um)| Flaw::Missing { at: at(row, row + 1), leap_v, leap_um }));
     found
 }
@@ -229,12 +253,6 @@ fn goes_and_comes_back(values: &[f64], by: f64) -> bool {
     let half = middle.len() / 2;
     let middle = *middle.select_nth_unstable_by(half, f64::total_cmp).1;
     middle - first.max(last) > by || first.min(last) - middle > by
-}
-
-/// Least step that is none.
-fn resolution(values: &[f64]) -> f64 {
-    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0);
-    steps.fold(f64::INFINITY, f64::min)
 }
 
 fn extent(values: &[f64]) -> f64 {

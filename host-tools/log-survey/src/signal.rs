@@ -21,6 +21,12 @@ pub(crate) fn ends(values: &[f64]) -> (f64, f64) {
     values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (low.min(value), high.max(value)))
 }
 
+/// The least difference of two neighbours that are not the same; infinite where all are.
+pub(crate) fn resolution(values: &[f64]) -> f64 {
+    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0);
+    steps.fold(f64::INFINITY, f64::min)
+}
+
 /// Correlation of voltage and displacement at the measured instants, −1 … 1; 0 where one of them rests.
 pub fn correlation(session: &Session) -> f64 {
     correlation_behind(session, 0)

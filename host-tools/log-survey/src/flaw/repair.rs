@@ -36,7 +36,9 @@ pub fn leave_out(session: &mut Session, flaws: &[Flaw], delay_s: f64) -> Option<
             Flaw::VoltageSpike { at, .. } => near(at, happened),
             // Which of the two was none is not known.
             Flaw::Hole { at } => near(at, happened) || near(at, happened + delay_s),
-            Flaw::Spike { at, .. } | Flaw::Frozen { at, .. } | Flaw::Clipped { at, .. } => near(at, happened + delay_s),
+            Flaw::Spike { at, .. } | Flaw::Frozen { at, .. } | Flaw::Clipped { at, .. } | Flaw::Step { at, .. } => {
+                near(at, happened + delay_s)
+            }
         })
     };
     let kept: Vec<bool> = session.instants.iter().map(|&instant| !flawed(instant)).collect();
@@ -67,8 +69,9 @@ pub fn sound<'l>(log: &'l Log, flaws: &[Flaw]) -> Cow<'l, Log> {
     }
     let sound = sound_rows(log.voltage.len(), log.start_s, log.sample_period, flaws);
     let rows = |values: &[f64]| -> Vec<f64> { sound.iter().map(|&row| values[row]).collect() };
-    let (voltage, displacement) = (rows(&log.voltage), log.displacement.as_deref().map(rows));
-    Cow::Owned(Log { voltage, displacement, ..log.clone() })
+    let levelled = levelled(log, flaws);
+    let (voltage, displacement) = (rows(&log.voltage), levelled.displacement.as_deref().map(rows));
+    Cow::Owned(Log { voltage, displacement, ..levelled.into_owned() })
 }
 
 /// Which of so many rows, that begin at `start_s`, one a `period`, s, are in no flaw that can be left out.
@@ -83,8 +86,22 @@ pub(crate) fn sound_rows(rows: usize, start_s: f64, period: f64, flaws: &[Flaw])
     (0..rows).filter(|&row| sound[row]).collect()
 }
 
-/// A log with a voltage on the straight line between the rows beside each spike of it: the recursion needs one, and
-/// remembers every extreme.
+/// A log whose displacement goes on at the level before each step of it.
+fn levelled<'l>(log: &'l Log, flaws: &[Flaw]) -> Cow<'l, Log> {
+    let mut levelled = Cow::Borrowed(log);
+    for flaw in flaws {
+        if let Flaw::Step { at, leap_um } = flaw {
+            let middle_s = 0.5 * (at.from_s + at.to_s) - log.start_s;
+            let behind = (middle_s / log.sample_period).ceil().max(0.0) as usize;
+            let rows = levelled.to_mut().displacement.iter_mut().flatten().skip(behind);
+            rows.for_each(|value| *value -= leap_um);
+        }
+    }
+    levelled
+}
+
+/// A log without its displacement's steps, and with a voltage on the straight line between the rows beside each spike
+/// of it: the recursion needs one, and remembers every extreme.
 #[must_use]
 pub fn mended<'l>(log: &'l Log, flaws: &[Flaw]) -> Cow<'l, Log> {
     let row = |time: f64| ((time - log.start_s) / log.sample_period).round() as usize;
@@ -92,8 +109,9 @@ pub fn mended<'l>(log: &'l Log, flaws: &[Flaw]) -> Cow<'l, Log> {
         Flaw::VoltageSpike { at, .. } => Some((row(at.from_s), row(at.to_s))),
         _ => None,
     });
+    let levelled = levelled(log, flaws);
     match without(&log.voltage, spikes) {
-        Cow::Borrowed(_) => Cow::Borrowed(log),
-        Cow::Owned(voltage) => Cow::Owned(Log { voltage, ..log.clone() }),
+        Cow::Borrowed(_) => levelled,
+        Cow::Owned(voltage) => Cow::Owned(Log { voltage, ..levelled.into_owned() }),
     }
 }
