@@ -5,18 +5,18 @@
 //! s   = √(Σ (d_i − d̄)² / (n (n − 1)))                        standard error of the mean difference
 //! ```
 //!
-//! What follows from these errors is [`crate::score`]'s.
+//! What follows from these errors is [`crate::validate::score`]'s.
 
 use crate::cost::Cost;
 use crate::fit::{Fit, Identification};
 use crate::left_out::{LeftOut, parts};
 use crate::problem::{Problem, errors_once_settled};
-use crate::simulation::{errors_from, mean_size};
 use crate::trial::Trial;
 use crate::validate::score::{Score, choose, difference};
 use crate::validate::statistics::{geometric_mean, mean};
 use estimator_core::Model;
 use log_survey::Character;
+use model_error::{errors_from, mean_size};
 use rayon::prelude::*;
 use recordings::session::Session;
 use serde::Serialize;

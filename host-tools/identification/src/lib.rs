@@ -39,7 +39,6 @@
 
 mod brief;
 mod candidate;
-pub mod cost;
 mod cross_validation;
 mod delay;
 mod division;
@@ -58,7 +57,6 @@ mod problem;
 mod rounds;
 pub mod search;
 mod second_choice;
-pub mod simulation;
 mod structures;
 mod suspicion;
 mod trial;
@@ -75,6 +73,7 @@ pub use learnt::Learnt;
 pub use left_out::LeftOut;
 pub use log_survey::{Character, prepared};
 pub use model_choice::{Choice, ModelChoice, Reason, with_contained};
+pub use model_error::cost;
 pub use prepared::Prepared;
 pub use problem::{Conditions, Problem};
 pub use search::{SearchOptions, Start};

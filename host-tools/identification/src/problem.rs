@@ -4,7 +4,6 @@
 
 use crate::cost::Cost;
 use crate::search::space::Extent;
-use crate::simulation::{errors_from, mean_error, mean_size};
 use crate::trial::Trial;
 use crate::validate::{Baseline, statistics};
 use calibration::CalibrationOptions;
@@ -12,6 +11,7 @@ use calibration::drive::RANGE_MARGIN;
 use estimator_core::extremum::between_codes;
 use estimator_core::{Discretisation, Inadmissible, Process, Range, Scheme};
 use log_survey::settled::settled;
+use model_error::{errors_from, mean_error, mean_size};
 use recordings::session::Session;
 
 /// What the user fixes before the search starts.

@@ -1,7 +1,6 @@
 //! The library from outside, by what is public of it.
 
 mod adversary;
-mod cost;
 mod doubt;
 mod fit;
 mod genetic_algorithm;

@@ -5,7 +5,9 @@
 //! first, of which each measurement leaves 1 − w and adds w times what the model by itself is off. One-step prediction
 //! is then the measured displacement and the change that the model gives.
 
-use crate::cost::{Cost, Norm};
+pub mod cost;
+
+use cost::{Cost, Norm};
 use estimator_core::Process;
 use recordings::session::Session;
 

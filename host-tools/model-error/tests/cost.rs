@@ -3,8 +3,8 @@
 use estimator_core::{
     BoucWenParameters, Discretisation, Engine, Parameters, Process, Running, Scheme, Voigt, VoigtParameters, VoigtState,
 };
-use identification::cost::{Cost, Feedback, Norm, UnusedWeight};
-use identification::simulation::mean_error;
+use model_error::cost::{Cost, Feedback, Norm, UnusedWeight};
+use model_error::mean_error;
 use recordings::session::Session;
 
 const TICK: f64 = 5e-4;
