@@ -63,6 +63,21 @@ fn a_model_that_is_no_better_than_a_straight_line_is_doubted_and_led_to_no_board
     );
 }
 
+/// Both halves are alike but for a constant, which each is judged without.
+#[test]
+fn a_table_that_was_learnt_over_a_change_between_what_was_judged_and_the_rest_is_doubted() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |name: &str, shift_um: f64| {
+        let lagged = |k: u32| 0.3 * sine(k) + 0.6 * (std::f64::consts::TAU * f64::from(k) * 0.005 - 0.4).cos();
+        let shifted = |k: u32| shift_um * f64::from(k.saturating_sub(970).min(60)) / 60.0;
+        let log = log(folder.path(), name, COLUMNS, 2000, |k| (sine(k), lagged(k) + shifted(k) + 0.01 * noise(k)));
+        identified(&log, &["--devices", "0"])
+    };
+    let (changed, alike) = (of("changed.csv", 3.0), of("alike.csv", 0.0));
+    assert!(changed.contains("something changed within a log") && !changed.contains("piezo install"), "{changed}");
+    assert!(!alike.contains("something changed"), "{alike}");
+}
+
 #[test]
 fn a_wide_interval_is_a_doubt_and_extremum_terms_have_a_determination() {
     let folder = tempfile::tempdir().unwrap();

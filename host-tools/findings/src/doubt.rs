@@ -50,6 +50,13 @@ pub fn doubt(doubt: &Doubt) -> String {
             Micrometres(*held_out_um),
             Micrometres(*training_um)
         ),
+        Doubt::LearntWorse { whole_um, judged_um } => format!(
+            "the table was learnt once more from the whole logs, and is off by {:.3} µm on them without offset, where the model before was by {:.3} µm \
+             at most: something changed within a log (the sensor's gain, the load, the mounting), and the errors above are not the table's; \
+             record it again, or keep one part with --skip-start or --skip-end",
+            Micrometres(*whole_um),
+            Micrometres(*judged_um)
+        ),
         Doubt::NothingHeldOut => {
             "nothing was held out, so nothing is known of data it has not seen: use --validate-on or --hold-out"
                 .to_owned()
@@ -276,6 +283,7 @@ mod tests {
             Doubt::PoorFit { log: "d".into(), percent: 40.0 },
             Doubt::Flawed { log: "e".into(), worst: FLAW, count: 3, left_out: false, most: false },
             Doubt::HeldOutFar { training_um: 0.1, held_out_um: 1.0 },
+            Doubt::LearntWorse { whole_um: 1.5, judged_um: 0.039 },
             Doubt::NothingHeldOut,
             Doubt::Diverges { fed_um: 0.01, simulation_um: 3.0 },
             Doubt::Transient { log: "a".into(), until_s: 0.3 },

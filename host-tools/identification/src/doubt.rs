@@ -56,6 +56,14 @@ pub enum Doubt {
         /// Simulation MAE without offset on what was held out, µm.
         held_out_um: f64,
     },
+    /// What was learnt once more from the whole logs describes them worse than the judged model did either part of
+    /// them.
+    LearntWorse {
+        /// Simulation MAE without offset on the whole logs, µm.
+        whole_um: f64,
+        /// The judged model's on the part where it is larger, µm.
+        judged_um: f64,
+    },
     /// Nothing was held out.
     NothingHeldOut,
     /// Fitted with the measured displacement fed back, it runs away from the sensor without.
@@ -174,6 +182,7 @@ impl Doubt {
             Self::ImplausibleStroke(_) | Self::RunsAhead { .. } => 1,
             Self::Diverges { .. }
             | Self::PoorFit { .. }
+            | Self::LearntWorse { .. }
             | Self::NoBetterThanLine { .. }
             | Self::WideInterval { .. }
             | Self::FewReversals { .. } => 2,

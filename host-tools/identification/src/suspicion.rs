@@ -15,6 +15,8 @@ const POOR: f64 = 5.0;
 const FAR: f64 = 1.5;
 /// and beyond this fraction of the stroke: of less, noise and drift decide which part of a log is fitted better.
 const FAR_STROKE: f64 = 2e-3;
+/// The error of what was learnt from all beyond this multiple of what was judged.
+const WORSE: f64 = 2.0;
 /// Simulation error beyond this multiple of the error that a fit with feedback has with it, and
 const DIVERGED: f64 = 10.0;
 /// beyond this fraction of the stroke.
@@ -60,6 +62,8 @@ pub fn doubts(
         (Some(training), Some(held_out)) => {
             let (training_um, held_out_um) = (training.mae_without_offset_um, held_out.mae_without_offset_um);
             doubts.extend(far(training_um, held_out_um, training.stroke_um));
+            let whole = candidate.training_figures().map(|of| of.mae_without_offset_um);
+            doubts.extend(whole.and_then(|whole_um| worse(whole_um, training_um.max(held_out_um), training.stroke_um)));
             let offsets: Vec<f64> = judged.held_out.iter().map(|log| log.mil.offset_um).collect();
             doubts.extend(drift(&offsets, &held_out));
         }
@@ -124,6 +128,12 @@ pub(crate) fn far(training_um: f64, held_out_um: f64, stroke_um: f64) -> Option<
     far.then_some(Doubt::HeldOutFar { training_um, held_out_um })
 }
 
+/// A table whose error on the whole logs is larger than the judged model's on either part of them, for a stroke; µm.
+fn worse(whole_um: f64, judged_um: f64, stroke_um: f64) -> Option<Doubt> {
+    let worse = whole_um > (WORSE * judged_um).max(FAR_STROKE * stroke_um);
+    worse.then_some(Doubt::LearntWorse { whole_um, judged_um })
+}
+
 /// A straight line that does as well as a candidate.
 pub(crate) fn no_better(candidate: &Candidate, line: &Baseline) -> Option<Doubt> {
     let figures = candidate.held_out_figures().zip(line.held_out);
@@ -175,6 +185,7 @@ mod tests {
         let is_far = |training, held_out| far(training, held_out, 10.0).is_some();
         assert!(is_far(0.1, 0.151) && !is_far(0.1, 0.149));
         assert!(is_far(0.001, 0.021) && !is_far(0.001, 0.019), "two thousandths of the stroke");
+        assert!(worse(0.21, 0.1, 10.0).is_some() && worse(0.19, 0.1, 10.0).is_none());
     }
 
     #[test]
