@@ -336,16 +336,26 @@ fn a_voltage_that_rests_where_it_should_teach_or_test_is_refused() {
 #[test]
 fn a_late_sensor_is_found_out() {
     let logs = || ["sin10", "tr10", "sin100"].map(rig);
-    let delay = |logs: &[Log]| {
-        let automatic = ["--delay", "auto", "--max-delay", "3", "--model", "voigt", "--repair"];
-        number(&identify(logs, &[&SHORT, &automatic]), "/recipe/delay_ticks")
+    let learnt = |logs: &[Log], most_ms: &str| {
+        let automatic = ["--delay", "auto", "--max-delay", most_ms, "--model", "voigt", "--repair"];
+        identify(logs, &[&SHORT, &automatic])
     };
+    let delay = |logs: &[Log]| number(&learnt(logs, "3"), "/recipe/delay_ticks");
     // 20 samples at 10 kHz are 4 ticks at 2 kHz.
     let late = logs().map(|log| {
         let recorded = log.displacement.clone().unwrap();
         displaced(&log, |row, _| recorded[row.saturating_sub(20)])
     });
     assert!((3.0..=5.0).contains(&delay(&late)), "{}", delay(&late));
+    let later_than_may_be = learnt(&late, "1");
+    assert_eq!(number(&later_than_may_be, "/recipe/delay_ticks"), 2.0);
+    assert!(doubts(&later_than_may_be).contains(&"delay-at-bound"), "{:?}", doubts(&later_than_may_be));
+    // A slow sine does not tell a delay, of 5 ms, from a lag.
+    let slow = measured();
+    let recorded = slow.displacement.clone().unwrap();
+    let single = learnt(&[displaced(&slow, |row, _| recorded[row.saturating_sub(1)])], "10");
+    assert_eq!(number(&single, "/recipe/delay_ticks"), 0.0);
+    assert!(doubts(&single).contains(&"delay-undetermined"), "{:?}", doubts(&single));
     let spiky = late.map(|log| displaced(&log, |row, y| if row == 3_000 { 9_000.0 } else { y }));
     assert!((3.0..=5.0).contains(&delay(&spiky)), "{} with a spike in each", delay(&spiky));
     assert!(delay(&logs()) <= 1.0, "{}", delay(&logs()));

@@ -147,7 +147,7 @@ const CALLBACKS: u64 = 700;
 
 /// Calls of `progress` that [`run`] makes, roughly.
 pub fn generations(job: &Job, models: &[Model]) -> u64 {
-    job.generations_before() + CALLBACKS * searches(job, models).concat().len() as u64
+    CALLBACKS * searches(job, models).concat().len() as u64
 }
 
 /// Why models cannot be compared.
@@ -176,7 +176,7 @@ pub fn run(
     say: Say,
     progress: Progress<'_>,
 ) -> Result<Matrix, ComparisonError> {
-    let Prepared { problem, context, logs, of_logs, delay_at_bound } = job.prepare(progress)?;
+    let Prepared { problem, context, logs, of_logs, of_delay } = job.prepare()?;
     if problem.validation().next().is_none() {
         return Err(ComparisonError::NothingHeldOut);
     }
@@ -221,7 +221,7 @@ pub fn run(
     });
     let rows = rows.collect();
     let straight_line = StraightLine::fit(problem.training()).and_then(|line| straight_line(line, &problem));
-    let doubts = of_logs.into_iter().chain(delay_at_bound).collect();
+    let doubts = of_logs.into_iter().chain(of_delay).collect();
     Ok(Matrix { rows, straight_line, recipe: context.recipe, logs, doubts, problem })
 }
 

@@ -161,9 +161,14 @@ pub fn doubt(doubt: &Doubt) -> String {
                              --dac-span or --drive-span, too, before flashing",
         }
         .to_owned(),
+        Doubt::DelayUndetermined { late_ms } => format!(
+            "--delay auto found no delay that a lag would not do as well as: what the displacement is behind the voltage by, {late_ms:.2} ms or so, \
+             is taken for the amplifier's and the actuator's; where it is the sensor's, state it with --delay by its data sheet, or record a step or \
+             higher frequencies"
+        ),
         Doubt::DelayAtBound { delay_ms } => format!(
-            "the estimated delay is the largest tried ({delay_ms} ms): the logs do not determine it; give --delay \
-             from the sensor's data sheet"
+            "the sensor is later than the most that --delay auto may take ({delay_ms} ms): give --delay from its data sheet, or a --max-delay \
+             beyond"
         ),
     }
 }
@@ -309,6 +314,7 @@ mod tests {
             Doubt::CalibrationAssumed { converters: Assumed::Adc },
             Doubt::CalibrationAssumed { converters: Assumed::Dac },
             Doubt::DelayAtBound { delay_ms: 5.0 },
+            Doubt::DelayUndetermined { late_ms: 3.1 },
         ];
         for doubt in all {
             let text = super::doubt(&doubt);

@@ -160,7 +160,12 @@ pub enum Doubt {
         /// The converters whose calibration it is.
         converters: Assumed,
     },
-    /// The delay that was found is the largest that was tried.
+    /// A delay was looked for, and the logs do not tell one from a lag.
+    DelayUndetermined {
+        /// How late the displacement is, of which none is taken for the sensor's, ms.
+        late_ms: f64,
+    },
+    /// The delay that was found is larger than the largest that was to be looked for.
     DelayAtBound {
         /// The delay, ms.
         delay_ms: f64,

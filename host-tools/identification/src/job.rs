@@ -3,7 +3,7 @@
 
 use crate::candidate::{Candidate, CandidateError, TableContext};
 use crate::cost::Cost;
-use crate::delay::DelaySearch;
+use crate::delay;
 use crate::division::Parts;
 use crate::doubt::Doubt;
 use crate::fit::{Identification, Progress};
@@ -87,52 +87,42 @@ impl Outcome {
 impl Job {
     /// Generations that it takes at most, for a progress bar.
     pub fn generations(&self) -> u64 {
-        let search = match self.model {
+        match self.model {
             ModelChoice::Is(model) => {
                 let once_more = self.learns_once_more() && !model.is_voigt();
                 let again = if once_more { self.search.generations_of(&[model]) } else { 0 };
                 self.search.generations_of(&with_contained(model, self.search.start)) + again
             }
             ModelChoice::Auto => OF_ALL,
-        };
-        self.generations_before() + search
-    }
-
-    /// Generations that [`prepare`](Self::prepare) takes at most.
-    pub fn generations_before(&self) -> u64 {
-        let logs = self.training.len();
-        if self.prepare.delay == AutoOr::Auto { self.delay_search().generations(logs) } else { 0 }
+        }
     }
 
     /// Cuts and divides the logs, and decides zeros and delay from what is fitted to.
     ///
     /// # Errors
     /// A log cannot be used.
-    pub fn prepare(&self, progress: Progress<'_>) -> Result<Prepared, JobError> {
-        self.prepare_parts(self.hold_out, None, progress)
+    pub fn prepare(&self) -> Result<Prepared, JobError> {
+        self.prepare_parts(self.hold_out, None)
     }
 
     /// As [`prepare`](Self::prepare), with this fraction of each training log held out, and a delay that
     /// was decided before.
-    pub(crate) fn prepare_parts(
-        &self,
-        hold_out: f64,
-        known_delay_ticks: Option<u32>,
-        progress: Progress<'_>,
-    ) -> Result<Prepared, JobError> {
+    pub(crate) fn prepare_parts(&self, hold_out: f64, known_delay_ticks: Option<u32>) -> Result<Prepared, JobError> {
         let Parts { training, held_out, rests } = Parts::of(&self.training, &self.held_out, hold_out, &self.prepare)?;
         let flaws = |log: &Log| if self.conditions.repair { flaws(log) } else { Vec::new() };
         let of_training: Vec<Vec<Flaw>> = training.iter().map(flaws).collect();
         let rows = training.iter().zip(&of_training).map(|(log, flaws)| sound(log, flaws));
         let mut recipe = self.prepare.resolve(&rows.collect::<Vec<_>>());
         let estimated = match (self.prepare.delay, known_delay_ticks) {
-            (AutoOr::Auto, None) => Some(self.delay_search().estimate(&training, &of_training, &recipe, progress)?),
+            (AutoOr::Auto, None) => {
+                let (of, seed) = (self.conditions, self.search.seed);
+                Some(delay::estimate(&training, &of_training, &recipe, &self.prepare, of, seed)?)
+            }
             _ => None,
         };
-        if let Some(ticks) = known_delay_ticks.or(estimated.map(|delay| delay.ticks)) {
+        if let Some(ticks) = known_delay_ticks.or(estimated.as_ref().map(|delay| delay.ticks)) {
             recipe.delay_ticks = ticks;
         }
-        let delay_ms = f64::from(recipe.delay_ticks) * recipe.tick_s() * 1e3;
         let uses = |logs: &[Log], role| logs.iter().map(|log| LogUse::new(log, role)).collect::<Vec<_>>();
         let mut beyond_repair = Vec::new();
         let mut session = |log: &Log, flaws: &[Flaw]| -> Result<Session, PrepareError> {
@@ -167,7 +157,7 @@ impl Job {
             },
             logs: [uses(&training, Role::Training), uses(&held_out, Role::HeldOut)].concat(),
             of_logs: [self.estimates(), self.run_ahead(), self.flawed(&beyond_repair)].concat(),
-            delay_at_bound: estimated.filter(|delay| delay.at_bound).map(|_| Doubt::DelayAtBound { delay_ms }),
+            of_delay: estimated.and_then(|delay| delay.doubt),
         })
     }
 
@@ -176,9 +166,9 @@ impl Job {
     /// # Errors
     /// A log cannot be used, or the model that counts has no admissible candidate.
     pub fn run(&self, progress: Progress<'_>) -> Result<Outcome, JobError> {
-        let prepared = self.prepare(progress)?;
+        let prepared = self.prepare()?;
         prepared.teaches()?;
-        let Prepared { problem, context, logs, of_logs, delay_at_bound } = prepared;
+        let Prepared { problem, context, logs, of_logs, of_delay } = prepared;
         let identification = Identification { problem: &problem, cost: self.cost, options: &self.search, budget: None };
         let Choice { fits, chosen } = identification.choose(self.model, progress);
         let (model, mut reason) = chosen.ok_or(JobError::NothingFound)?;
@@ -209,7 +199,7 @@ impl Job {
         let character = Character::of(learnt_from.training(), learnt_from.deadband);
         let of_model = doubts(&learnt.candidate, &candidates[chosen], &character, self.cost, self.conditions.lag_s);
         let mut doubts = [of_logs, of_model].concat();
-        doubts.extend(delay_at_bound);
+        doubts.extend(of_delay);
         doubts.extend(self.implausible().map(Doubt::ImplausibleStroke));
         doubts.extend(self.calibration.assumed().map(|converters| Doubt::CalibrationAssumed { converters }));
         doubts.extend(learnt_from.baseline().and_then(|line| no_better(&learnt.candidate, &line)));
@@ -235,7 +225,7 @@ impl Job {
             return Ok(Learnt { candidate: judged.clone(), context, logs, whole: None });
         }
         let whole = |source| JobError::Whole { source: Box::new(source) };
-        let wholes = self.prepare_parts(0.0, Some(context.recipe.delay_ticks), &mut *progress).map_err(whole)?;
+        let wholes = self.prepare_parts(0.0, Some(context.recipe.delay_ticks)).map_err(whole)?;
         let identification =
             Identification { problem: &wholes.problem, cost: self.cost, options: &self.search, budget: None };
         let fit = identification.anew(&judged.fit, progress);
@@ -277,10 +267,6 @@ impl Job {
         };
         let stroke_um = span(|log| log.displacement.as_deref().unwrap_or_default(), self.prepare.displacement_scale);
         Implausible::of(stroke_um, span(|log| &log.voltage, self.prepare.voltage_scale))
-    }
-
-    fn delay_search(&self) -> DelaySearch {
-        DelaySearch::new(&self.prepare, self.conditions, self.cost, &self.search)
     }
 }
 

@@ -19,8 +19,8 @@ pub struct Prepared {
     pub logs: Vec<LogUse>,
     /// Doubts of the logs: those that are no sensor's, and what in the others is no measurement.
     pub of_logs: Vec<Doubt>,
-    /// A doubt of the delay that was found.
-    pub delay_at_bound: Option<Doubt>,
+    /// A doubt of the delay that was looked for.
+    pub of_delay: Option<Doubt>,
 }
 
 impl Prepared {

@@ -32,7 +32,7 @@ fn learnt(plant: &Plant, model: Model, hertz: &[f64]) -> (Prepared, Candidate, S
         cost: Cost::from(Feedback::Simulation),
         search: search.clone(),
     };
-    let prepared = job.prepare(&mut |_, _| ()).unwrap();
+    let prepared = job.prepare().unwrap();
     let fit = identify(&prepared.problem, &[model], job.cost, &search, &mut |_, _| ()).remove(0);
     let candidate = Candidate::new(&prepared.problem, fit, &prepared.context).unwrap();
     (prepared, candidate, search)

@@ -92,7 +92,7 @@ pub(crate) fn tried(training: Vec<Log>) -> Result<(), JobError> {
         cost: Cost::from(Feedback::Simulation),
         search: SearchOptions::default(),
     };
-    job.prepare(&mut |_, _| {})?.teaches()
+    job.prepare()?.teaches()
 }
 
 #[cfg(test)]

@@ -72,8 +72,8 @@ impl Bench {
     ///
     /// # Errors
     /// The logs cannot be prepared, or nothing is held out.
-    pub fn new(job: Job, rig: Option<Rig>, say: Say, progress: Progress<'_>) -> Result<Self, ThesisError> {
-        let prepared = job.prepare(progress)?;
+    pub fn new(job: Job, rig: Option<Rig>, say: Say) -> Result<Self, ThesisError> {
+        let prepared = job.prepare()?;
         if prepared.problem.validation().next().is_none() {
             return Err(ThesisError::NothingHeldOut);
         }
@@ -130,7 +130,7 @@ impl Bench {
     ///
     /// # Errors
     /// The logs cannot be brought to it.
-    pub fn at_tick(&self, tick_us: u32, progress: Progress<'_>) -> Result<Prepared, JobError> {
+    pub fn at_tick(&self, tick_us: u32) -> Result<Prepared, JobError> {
         let recipe = &self.prepared.context.recipe;
         let prepare = PrepareOptions {
             tick_us,
@@ -139,7 +139,7 @@ impl Bench {
             delay: AutoOr::Given(f64::from(recipe.delay_ticks) * recipe.tick_s() * 1e3),
             ..self.job.prepare.clone()
         };
-        Job { prepare, ..self.job.clone() }.prepare(progress)
+        Job { prepare, ..self.job.clone() }.prepare()
     }
 
     /// Identifies what has not been identified yet. The Voigt family's extremum models start from the simpler ones, so
@@ -232,7 +232,7 @@ pub mod tests {
             cost: Feedback::Simulation.into(),
             search,
         };
-        Bench::new(job, Some(rig), |error| error.to_string(), &mut |_, _| ()).unwrap()
+        Bench::new(job, Some(rig), |error| error.to_string()).unwrap()
     }
 
     #[test]

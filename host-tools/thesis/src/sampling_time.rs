@@ -130,7 +130,7 @@ fn at(bench: &mut Bench, tick_us: u32, progress: Progress<'_>) -> Result<At, The
         let mae_um = mae(attempt.result.as_ref().map_err(CandidateError::clone)?)?;
         return Ok(At { mae_um, straight_line_mae_um: of_line(bench.problem()), constant_logs: 0 });
     }
-    let Prepared { problem, context, .. } = bench.at_tick(tick_us, progress)?;
+    let Prepared { problem, context, .. } = bench.at_tick(tick_us)?;
     let both = problem.training().zip(bench.problem().training());
     let constant_logs = both.filter(|(here, there)| span(here) < CONSTANT * span(there)).count();
     let fits = identify(&problem, &[Model::Voigt], Feedback::Osp, bench.search(), progress);

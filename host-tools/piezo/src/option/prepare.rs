@@ -28,10 +28,10 @@ pub struct PrepareArgs {
     /// at its zero.
     #[arg(long, hide_short_help = true, default_value = "auto", value_parser = auto_or, allow_negative_numbers = true, value_name = "µm|auto")]
     pub displacement_zero: AutoOr,
-    /// How much later the sensor shows a displacement than it happens, ms, or `auto`: by cross-validation.
+    /// How much later the sensor shows a displacement than it happens, ms, or `auto`: what the logs tell from a lag.
     #[arg(long, default_value = "0", value_parser = delay, allow_negative_numbers = true, value_name = "MS|auto")]
     pub delay: AutoOr,
-    /// Largest delay that `--delay auto` tries, ms, in ten steps: what the sensor can have.
+    /// Largest delay that `--delay auto` takes, ms: what the sensor can have.
     #[arg(long, hide_short_help = true, default_value_t = 5.0, value_parser = not_negative, allow_negative_numbers = true)]
     pub max_delay: f64,
     /// Cut off the start of each log, s (a start-up transient).

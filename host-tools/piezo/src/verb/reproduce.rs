@@ -81,15 +81,14 @@ pub fn run(arguments: &Reproduce) -> Result<bool> {
         arguments.overwrite.of(&folder.join("reproduce.html"), PAGE)?;
     }
     let (job, rig) = job(arguments)?;
-    let length =
-        items.iter().map(|item| item.generations(&job.search, arguments.seeds)).sum::<u64>() + job.generations_before();
+    let length = items.iter().map(|item| item.generations(&job.search, arguments.seeds)).sum();
     let bar = progress(length);
     let mut step = |model: Model, best: f64| {
         bar.set_prefix(model.to_string());
         bar.set_message(format!("{best:.4} µm"));
         bar.inc(1);
     };
-    let mut bench = Bench::new(job, rig, remedy::sentence, &mut step)?;
+    let mut bench = Bench::new(job, rig, remedy::sentence)?;
     bench.seeds = arguments.seeds;
     bench.models = asked(&arguments.models);
     let sections = thesis::run(&mut bench, &items, &mut step)?;
@@ -179,7 +178,7 @@ fn facts(bench: &Bench) -> Vec<(String, String)> {
         ("Search", findings::searches(search)),
         ("Tool", format!("piezo {}", env!("CARGO_PKG_VERSION"))),
     ];
-    let doubts = bench.prepared.of_logs.iter().chain(&bench.prepared.delay_at_bound);
+    let doubts = bench.prepared.of_logs.iter().chain(&bench.prepared.of_delay);
     let doubts = doubts.map(|doubt| ("Doubt".to_owned(), remedy::doubt(doubt)));
     facts.into_iter().map(|(name, what)| (name.to_owned(), what)).chain(doubts).collect()
 }

@@ -50,7 +50,7 @@ pub struct Errors {
 /// # Errors
 /// A recording cannot be prepared or scored. A model that finds nothing is judged with no errors.
 pub fn learn(subject: &Subject, models: &[Model]) -> Result<Vec<Judged>, ThesisError> {
-    let Prepared { problem, context, .. } = subject.job.prepare(&mut |_, _| ())?;
+    let Prepared { problem, context, .. } = subject.job.prepare()?;
     let identification =
         Identification { problem: &problem, cost: subject.job.cost, options: &subject.job.search, budget: None };
     let fits = identification.brief(models, &mut |_, _| ());

@@ -10,6 +10,8 @@ use std::sync::Arc;
 
 /// Play operators beside the reversible part.
 pub const PLAYS: usize = 15;
+/// The longest delay that is searched, ticks.
+pub const LONGEST_DELAY: f64 = 15.0;
 /// The smallest half-width, of half the span.
 const NARROWEST: f64 = 0.02;
 /// Least slope of the reversible part, of the stroke over the span: without any the inverse has no unique answer.
@@ -120,7 +122,7 @@ impl Family {
     /// What is searched, in the order of its values.
     pub fn searched(&self) -> Vec<Gene> {
         let mut genes = vec![
-            Gene::linear("delay", "delay from voltage to actuator", "ticks", 0.0, 15.0),
+            Gene::linear("delay", "delay from voltage to actuator", "ticks", 0.0, LONGEST_DELAY),
             Gene::logarithmic("lag", "first-order lag", "ticks", 0.1, 100.0),
             Gene::logarithmic("rho", "half-width at which the plays weigh 1/e, of half the span", "", 0.05, 5.0),
             Gene::logarithmic("creep_fast", "gain of the creep in 0.01 s", "", 1e-4, 0.3),

@@ -9,6 +9,10 @@
 mod candidate;
 mod curvature;
 mod freed;
+mod late;
+
+pub use candidate::LONGEST_DELAY;
+pub use late::Late;
 
 use super::AnyFamily;
 use crate::cost::{Cost, Feedback};
