@@ -15,7 +15,7 @@ pub fn determination(of: Result<&Determination, &Unknown>) -> Vec<(String, Strin
         Err(why) => return vec![("The training".to_owned(), format!("nothing is known of that: {}", unknown(*why)))],
     };
     let worth = format!(
-        "{} readings, {:.3} µm off on average without each log's own offset; neighbours repeat one another, so they count as {:.0} independent ones",
+        "{} readings; once settled, {:.3} µm off on average without each log's own offset; neighbours repeat one another, so they count as {:.0} independent ones",
         of.readings,
         Micrometres(of.mae_um),
         of.effective_readings

@@ -78,8 +78,13 @@ pub fn calibrate(
         let gains = Gains::of(&tried).at(own_um);
         let parameters = scaled(unscaled(problem, candidate), gains, own_um);
         let [memory, misfit] = [parameters.memory_um[0], parameters.misfit_um].map(f64::from);
-        let memory_at_ends = memory_at_ends(problem, &candidate.table, memory, misfit) as f32;
-        Calibration { parameters: IntervalParameters { memory_at_ends, ..parameters }, own_um }
+        let at_ends = memory_at_ends(problem, &candidate.table, memory, misfit) as f32;
+        let parameters = IntervalParameters {
+            memory_um: parameters.memory_um.map(|um| at_ends.max(1.0) * um),
+            memory_at_ends: at_ends.min(1.0),
+            ..parameters
+        };
+        Calibration { parameters, own_um }
     })
 }
 

@@ -25,9 +25,10 @@ const STILL: f64 = 0.02;
 /// Times what the logs' first swings were off by: logs are few, and another recording may turn where these passed.
 const FEW: f64 = 1.5;
 
-/// e, 0 … 1, as the worst of the training logs that begin at rest near an end of the table's range says it: the least
-/// with which b·`memory_um` is [`FEW`] times what that log's first swing was off by beyond `misfit_um`; [`UNSEEN`]
-/// where none begins there.
+/// e, as the worst of the training logs that begin at rest near an end of the table's range says it: the least, from 0
+/// up, with which b·`memory_um` is [`FEW`] times what that log's first swing was off by beyond `misfit_um`; [`UNSEEN`]
+/// where none begins there. Beyond 1 no memory that the model can start with explains that swing, as where an actuator
+/// was never driven before: then a start leaves e times as much open wherever it is.
 pub fn memory_at_ends(problem: &Problem, table: &Admitted, memory_um: f64, misfit_um: f64) -> f64 {
     let range: Range<f64> = table.voltage_range_v.of();
     // How much a log's start leaves open without e, and the e that it needs.
@@ -36,12 +37,13 @@ pub fn memory_at_ends(problem: &Problem, table: &Admitted, memory_um: f64, misfi
         let part = range.clamp(rest(session, table.sample_period())?) - range.min;
         let open = 4.0 * part * (range.span() - part) / (range.span() * range.span());
         let beyond = (off_in_first_swing(table, session)?.powi(2) - misfit_um.powi(2)).max(0.0).sqrt();
-        let needed = (FEW * beyond / memory_um - open) / (1.0 - open);
+        let share = FEW * beyond / memory_um;
+        let needed = if share > 1.0 { share } else { (share - open) / (1.0 - open) };
         (open < OUTER && needed.is_finite()).then_some((open, needed))
     };
     let starts: Vec<(f64, f64)> = problem.training().filter_map(of).collect();
     let at_an_end = starts.iter().filter(|(open, _)| *open < AT_END).map(|(_, needed)| *needed).reduce(f64::max);
-    starts.iter().map(|(_, needed)| *needed).fold(at_an_end.unwrap_or(UNSEEN), f64::max).clamp(0.0, 1.0)
+    starts.iter().map(|(_, needed)| *needed).fold(at_an_end.unwrap_or(UNSEEN), f64::max).max(0.0)
 }
 
 /// The voltage at which a session of such ticks begins, V, where it stands there for the first 50 ms.
@@ -134,7 +136,7 @@ mod tests {
 
     #[test]
     fn what_the_logs_first_swings_are_off_by_is_open_at_an_end() {
-        for (first_um, expected) in [(0.0, 0.0), (0.5 * M, 0.75), (-0.5 * M, 0.75), (3.0 * M, 1.0)] {
+        for (first_um, expected) in [(0.0, 0.0), (0.5 * M, 0.75), (-0.5 * M, 0.75), (3.0 * M, 4.5)] {
             let found = learnt(&Log { first_um, ..LOG }, 0.0);
             assert!((found - expected).abs() < 0.02, "{first_um} µm: {found}");
         }
