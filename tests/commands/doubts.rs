@@ -76,6 +76,12 @@ fn a_table_that_was_learnt_over_a_change_between_what_was_judged_and_the_rest_is
     let (changed, alike) = (of("changed.csv", 3.0), of("alike.csv", 0.0));
     assert!(changed.contains("something changed within a log") && !changed.contains("piezo install"), "{changed}");
     assert!(!alike.contains("something changed"), "{alike}");
+    assert!(alike.contains(" µm stroke), and "), "{alike}");
+    let [one, two] = ["alike.csv", "changed.csv"].map(|name| folder.path().join(name));
+    let both = identified(&one, &["--devices", "0", text(&two)]);
+    assert!(both.contains("% of a log's own stroke, on average over 2 logs)"), "{both}");
+    assert!(both.contains("Without a constant offset of each log's own"), "{both}");
+    assert!(both.contains("\n- on changed, held out, the estimate is off by a constant"), "{both}");
 }
 
 #[test]

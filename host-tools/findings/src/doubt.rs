@@ -106,8 +106,8 @@ pub fn doubt(doubt: &Doubt) -> String {
              is unknown; record several"
             .to_owned()
         }
-        Doubt::Drift { offset_um } => format!(
-            "on the held-out data the estimate is off by a constant {:+.3} µm (creep, drift, or where the \
+        Doubt::Drift { log, offset_um } => format!(
+            "on {log}, held out, the estimate is off by a constant {:+.3} µm (creep, drift, or where the \
              session started), which no sensorless estimate can know: set the zero again at rest",
             Micrometres(*offset_um)
         ),
@@ -302,7 +302,7 @@ mod tests {
             Doubt::RunsAhead { log: "f".into(), by: Ahead { percent: 9.0, loops: 5 } },
             Doubt::Untrained { log: "g".into(), percent: 13.79, first_s: 2.0 },
             Doubt::AtBound { gene: "delay", value: 15.0 },
-            Doubt::Drift { offset_um: -0.2 },
+            Doubt::Drift { log: "h".into(), offset_um: -0.2 },
             Doubt::SinglePrecision { difference_um: 0.1 },
             Doubt::BeyondTraining { log: "b".into() },
             Doubt::NoisyVoltage { reversals: 900, large: 20 },

@@ -103,6 +103,8 @@ pub enum Doubt {
     },
     /// The estimate is off by a constant on what was held out.
     Drift {
+        /// Name of the held-out log on which it is largest.
+        log: String,
         /// Median of estimate − measurement, µm.
         offset_um: f64,
     },

@@ -3,6 +3,7 @@
 use crate::candidate::Candidate;
 use crate::cost::{Cost, Norm};
 use crate::doubt::{Converter, Doubt, FEW_REVERSALS};
+use crate::validate::statistics::mean;
 use crate::validate::{Baseline, Figures, Trace};
 use estimator_core::{AdcCode, DacCode, Parameters, Published, Range};
 use log_survey::Character;
@@ -64,8 +65,7 @@ pub fn doubts(
             doubts.extend(far(training_um, held_out_um, training.stroke_um));
             let whole = candidate.training_figures().map(|of| of.mae_without_offset_um);
             doubts.extend(whole.and_then(|whole_um| worse(whole_um, training_um.max(held_out_um), training.stroke_um)));
-            let offsets: Vec<f64> = judged.held_out.iter().map(|log| log.mil.offset_um).collect();
-            doubts.extend(drift(&offsets, &held_out));
+            doubts.extend(drift(judged.held_out.iter().map(|log| (&*log.name, log.mil.offset_um)), &held_out));
         }
         _ => doubts.push(Doubt::NothingHeldOut),
     }
@@ -115,11 +115,11 @@ fn poor<'a>(logs: impl Iterator<Item = (&'a str, Figures)> + Clone) -> Option<Do
 }
 
 /// Constants that are much of the error: of several logs one may be off up and another down. The largest is named.
-fn drift(offsets_um: &[f64], held_out: &Figures) -> Option<Doubt> {
-    let mean_um = offsets_um.iter().map(|offset| offset.abs()).sum::<f64>() / offsets_um.len().max(1) as f64;
-    let largest = offsets_um.iter().copied().max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+fn drift<'a>(offsets_um: impl Iterator<Item = (&'a str, f64)> + Clone, held_out: &Figures) -> Option<Doubt> {
+    let mean_um = mean(&offsets_um.clone().map(|(_, offset)| offset.abs()).collect::<Vec<_>>());
+    let (log, offset_um) = offsets_um.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))?;
     (mean_um > (DRIFT * held_out.mae_um).max(OFFSET * held_out.stroke_um))
-        .then_some(Doubt::Drift { offset_um: largest })
+        .then(|| Doubt::Drift { log: log.to_owned(), offset_um })
 }
 
 /// An error on held-out data that is larger than the training's, each beside the logs' own constants, for a stroke; µm.
@@ -199,8 +199,10 @@ mod tests {
             matches!(found, Some(Doubt::PoorFit { log, percent }) if log == "missed" && (percent - 10.0).abs() < 1e-9)
         );
         let [coarse, fine] = [of(10.0, 1.0), of(10.0, 0.01)];
-        assert!(matches!(drift(&[0.9, -1.0], &coarse), Some(Doubt::Drift { offset_um: -1.0 })));
-        assert!(drift(&[0.1, -0.1], &coarse).is_none() && drift(&[], &coarse).is_none());
-        assert!(drift(&[0.012], &fine).is_some() && drift(&[0.009], &fine).is_none(), "a thousandth of the stroke");
+        let drifts = |offsets: &[f64], held_out| drift(["a", "b"].into_iter().zip(offsets.iter().copied()), held_out);
+        let found = drifts(&[0.9, -1.0], &coarse);
+        assert!(matches!(found, Some(Doubt::Drift { log, offset_um: -1.0 }) if log == "b"));
+        assert!(drifts(&[0.1, -0.1], &coarse).is_none() && drifts(&[], &coarse).is_none());
+        assert!(drifts(&[0.012], &fine).is_some() && drifts(&[0.009], &fine).is_none(), "a thousandth of the stroke");
     }
 }

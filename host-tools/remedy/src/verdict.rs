@@ -12,18 +12,23 @@ pub fn verdict(outcome: &Outcome) -> Vec<String> {
     let mut sentences =
         vec![format!("Model: {}, since {}", candidate.table.model(), findings::reason(&outcome.reason))];
     if let Some(held_out) = candidate.held_out_figures() {
+        let percent = match &candidate.held_out[..] {
+            [_] => format!("{:.2} % of the {:.1} µm stroke", held_out.mae_percent, Micrometres(held_out.stroke_um)),
+            logs => format!("{:.2} % of a log's own stroke, on average over {} logs", held_out.mae_percent, logs.len()),
+        };
         sentences.push(format!(
             "On data it had not seen, in simulation from the first sample, the estimate is on average {:.3} µm from the \
-             sensor ({:.2} % of the {:.1} µm stroke), and {:.3} µm where it was furthest, which bounds no other recording.",
+             sensor ({percent}), and {:.3} µm where it was furthest, which bounds no other recording.",
             Micrometres(held_out.mae_um),
-            held_out.mae_percent,
-            Micrometres(held_out.stroke_um),
             Micrometres(held_out.max_um)
         ));
         if held_out.mae_without_offset_um < 0.8 * held_out.mae_um {
+            let constant = match &candidate.held_out[..] {
+                [_] => format!("a constant offset of {:+.3} µm", Micrometres(held_out.offset_um)),
+                _ => "a constant offset of each log's own".to_owned(),
+            };
             sentences.push(format!(
-                "Without a constant offset of {:+.3} µm (drift, creep, or where the session started) it is {:.3} µm ({:.2} %).",
-                Micrometres(held_out.offset_um),
+                "Without {constant} (drift, creep, or where the session started) it is {:.3} µm ({:.2} %).",
                 Micrometres(held_out.mae_without_offset_um),
                 held_out.mae_without_offset_percent
             ));
