@@ -159,6 +159,23 @@ pub enum BenchError {
         /// What the operating system says.
         source: std::io::Error,
     },
+    /// A session's logs were recorded by another calibration of the board than its file has now.
+    #[error(
+        "{}: its logs were recorded with {what} = [{}, {}], and {} has [{}, {}] now: by the one they are not what the other says",
+        session.display(), then.0, then.1, board.display(), now.0, now.1
+    )]
+    Recalibrated {
+        /// The session's description.
+        session: PathBuf,
+        /// The board's file.
+        board: PathBuf,
+        /// The value that differs, as the file has it.
+        what: &'static str,
+        /// What it was when the session was recorded.
+        then: (f64, f64),
+        /// What it is now.
+        now: (f64, f64),
+    },
     /// Next to nothing was measured.
     #[error("next to nothing was measured: {0} ticks")]
     Nothing(usize),

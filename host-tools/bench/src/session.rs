@@ -1,5 +1,6 @@
 //! What a training session leaves: its logs and their description, of one that was killed, too.
 
+use crate::board_file::BoardFacts;
 use crate::error::BenchError;
 use result_files::is_held;
 use serde::Deserialize;
@@ -45,6 +46,8 @@ pub struct Session {
     pub logs: Vec<PathBuf>,
     /// Logs to prove a table with.
     pub held_out: Vec<PathBuf>,
+    /// What was known of the board, by which codes became volts and µm.
+    pub board: Option<BoardFacts>,
     /// A program still writes it.
     pub recorded: bool,
     /// What is missing of it.
@@ -151,12 +154,13 @@ pub fn session(folder: &Path) -> Result<Session, BenchError> {
         /// It has not ended, or was killed: the logs are those that were planned.
         #[serde(default)]
         under_way: bool,
+        board: Option<BoardFacts>,
         logs: Vec<Described>,
     }
     let path = folder.join(SESSION);
     let failed = |source| BenchError::Log { path: path.clone(), source };
     let text = std::fs::read_to_string(&path).map_err(failed)?;
-    let Description { complete, seed, tick_us, planned, under_way, logs } =
+    let Description { complete, seed, tick_us, planned, under_way, board, logs } =
         toml::from_str(&text).map_err(|error| failed(std::io::Error::new(ErrorKind::InvalidData, error)))?;
     let recorded = under_way && is_held(folder);
     let found = |log: Described| if under_way { log.found(folder) } else { log };
@@ -164,7 +168,8 @@ pub fn session(folder: &Path) -> Result<Session, BenchError> {
     let unfinished = Unfinished::of(&logs, planned, recorded);
     let (held_out, learnt): (Vec<Described>, Vec<Described>) = logs.into_iter().partition(|log| log.held_out);
     let paths = |logs: Vec<Described>| logs.iter().map(|of| of.beside(folder)).collect();
-    Ok(Session { complete, seed, tick_us, logs: paths(learnt), held_out: paths(held_out), recorded, unfinished })
+    let (logs, held_out) = (paths(learnt), paths(held_out));
+    Ok(Session { complete, seed, tick_us, logs, held_out, board, recorded, unfinished })
 }
 
 /// Where `logs` is one folder that a training session wrote, puts the session's logs in its place, those to prove with
@@ -172,12 +177,14 @@ pub fn session(folder: &Path) -> Result<Session, BenchError> {
 /// Anything else stays what it is. Returns what is missing of the session.
 ///
 /// # Errors
-/// The session's description is none, or the session has no log to learn from.
+/// The session's description is none, or the session has no log to learn from; its codes became volts and µm otherwise
+/// than the `board`'s file has it, or that cannot be read.
 pub fn open_session(
     logs: &mut Vec<PathBuf>,
     held_out: &mut Vec<PathBuf>,
     else_held_out: bool,
     tick_us: &mut Option<u32>,
+    board: Option<&Path>,
 ) -> Result<Option<Unfinished>, BenchError> {
     let [folder] = &logs[..] else { return Ok(None) };
     if !folder.join(SESSION).is_file() {
@@ -191,6 +198,16 @@ pub fn open_session(
         };
         let source = std::io::Error::new(ErrorKind::InvalidData, said);
         return Err(BenchError::Log { path: folder.join(SESSION), source });
+    }
+    if let (Some(before), Some(board)) = (&described.board, board) {
+        let now = BoardFacts::read(board)?;
+        let spans = [("adc_span", before.adc_span, now.adc_span), ("sensor_span", before.sensor_span, now.sensor_span)];
+        if let Some((what, Some(then), Some(now))) =
+            spans.into_iter().find(|(_, then, now)| then != now && now.is_some())
+        {
+            let (session, board) = (folder.join(SESSION), board.to_owned());
+            return Err(BenchError::Recalibrated { session, board, what, then, now });
+        }
     }
     if held_out.is_empty() && !else_held_out {
         *held_out = described.held_out;
@@ -271,7 +288,7 @@ mod tests {
         assert!(logs == 2 && said.starts_with(begun), "{said}");
         let mut logs = vec![folder.to_owned()];
         left(&[3, 3]);
-        let none = open_session(&mut logs, &mut Vec::new(), false, &mut None).unwrap_err();
+        let none = open_session(&mut logs, &mut Vec::new(), false, &mut None, None).unwrap_err();
         assert!(std::error::Error::source(&none).unwrap().to_string().contains("no log to learn from yet: wait"));
         drop(held);
         // One that had hardly begun is none.
@@ -286,7 +303,7 @@ mod tests {
         let folder = folder.path();
         let opened = |held_out: &[PathBuf], else_held_out: bool, tick_us: Option<u32>| {
             let (mut logs, mut held_out, mut tick_us) = (vec![folder.to_owned()], held_out.to_vec(), tick_us);
-            open_session(&mut logs, &mut held_out, else_held_out, &mut tick_us).map(|_| (logs, held_out, tick_us))
+            open_session(&mut logs, &mut held_out, else_held_out, &mut tick_us, None).map(|_| (logs, held_out, tick_us))
         };
         let as_it_is = (vec![folder.to_owned()], Vec::new(), None);
         assert_eq!(opened(&[], false, None).unwrap(), as_it_is, "no session's");
@@ -299,6 +316,21 @@ mod tests {
         // What is stated counts, the usual tick, too.
         assert_eq!(opened(&[], true, Some(500)).unwrap(), (learnt.clone(), Vec::new(), Some(500)));
         assert_eq!(opened(&other, false, None).unwrap(), (learnt, other, Some(250)));
+        let by = |adc: &str, sensor: &str| format!("[board]\nadc_span = {adc}\nsensor_span = {sensor}\n{logs}");
+        let recorded = format!("complete = true\nseed = 1\n{}", by("[-35.0, 135.0]", "[-5.0, 25.0]"));
+        std::fs::write(folder.join(SESSION), recorded).unwrap();
+        let board = folder.join("board.toml");
+        let by_board = |text: &str| {
+            std::fs::write(&board, text).unwrap();
+            open_session(&mut vec![folder.to_owned()], &mut Vec::new(), false, &mut None, Some(&board)).map(|_| ())
+        };
+        by_board("adc_span = [-35.0, 135.0]").unwrap();
+        let calibrated = by_board("adc_span = [-35.0, 135.0]\nsensor_span = [-5.1, 25.0]").unwrap_err().to_string();
+        assert!(calibrated.contains("recorded with sensor_span = [-5, 25], and "), "{calibrated}");
+        assert!(matches!(
+            by_board("adc_span = [-36.0, 135.0]"),
+            Err(BenchError::Recalibrated { what: "adc_span", .. })
+        ));
         std::fs::write(folder.join(SESSION), "nothing").unwrap();
         assert!(matches!(opened(&[], false, None), Err(BenchError::Log { .. })));
     }

@@ -145,6 +145,9 @@ fn session(error: &BenchError) -> String {
                 false => said,
             }
         }
+        BenchError::Recalibrated { .. } => {
+            format!("{error}: train again, or, where that was the right one, put it back into the board's file")
+        }
         BenchError::NotTaken => format!("{error}: try again"),
         BenchError::NotAtRest { .. } => {
             let asked = "is the amplifier connected and switched on? `piezo info` says how the device is";

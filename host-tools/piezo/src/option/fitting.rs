@@ -11,7 +11,7 @@ use clap::Args;
 use estimator_core::Scheme;
 use identification::cost::Cost;
 use identification::{Conditions, Job, ModelChoice, SearchOptions};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 const SCHEMES: [Choice<Scheme>; 2] = [
     (Scheme::ForwardEuler, "forward-euler", "The thesis's"),
@@ -69,12 +69,11 @@ pub struct Fitting {
 }
 
 impl Fitting {
-    /// Puts the logs of a session in its folder's place, with its tick where none was typed.
-    pub fn open_session(&mut self) -> Result<(), BenchError> {
+    /// Puts the logs of a session of this board in its folder's place, with its tick where none was typed.
+    pub fn open_session(&mut self, board: Option<&Path>) -> Result<(), BenchError> {
         let (else_held_out, folder) = (self.hold_out.is_some(), self.logs.first().cloned().unwrap_or_default());
-        if let Some(unfinished) =
-            open_session(&mut self.logs, &mut self.validate_on, else_held_out, &mut self.prepare.tick_us)?
-        {
+        let (held_out, tick_us) = (&mut self.validate_on, &mut self.prepare.tick_us);
+        if let Some(unfinished) = open_session(&mut self.logs, held_out, else_held_out, tick_us, board)? {
             eprintln!("piezo: careful: {}: {}", folder.display(), remedy::unfinished(&unfinished));
         }
         Ok(())

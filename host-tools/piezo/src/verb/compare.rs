@@ -53,7 +53,7 @@ pub struct Compare {
 
 /// Runs the verb.
 pub fn run(arguments: &mut Compare) -> Result<bool> {
-    arguments.fitting.open_session()?;
+    arguments.fitting.open_session(None)?;
     let folder = arguments.out.as_deref().map(output::to_folder).transpose()?;
     if let Some(folder) = &arguments.out {
         arguments.overwrite.of(&folder.join("compare.html"), PAGE)?;

@@ -75,7 +75,7 @@ const FLEET: &str = "A fleet of units";
 /// Runs the verb.
 pub fn run(arguments: &mut Identify) -> Result<bool> {
     // Whether a session is being recorded shows by its folder being held: it is looked at before this program holds it.
-    let opened = arguments.fitting.open_session().map_err(anyhow::Error::from);
+    let opened = arguments.fitting.open_session(arguments.calibration.board.as_deref()).map_err(anyhow::Error::from);
     let path = arguments.out.join(UNIT.0);
     let Some(unit) = arguments.unit.clone() else {
         opened?;
