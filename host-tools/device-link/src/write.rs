@@ -92,22 +92,26 @@ impl Writing {
         }
     }
 
-    /// Has `write` write as asked; returns the identity after the restart, where there was one.
+    /// Has `write` write as asked; returns the identity after the restart, where there was one. A device that would
+    /// refuse it for anything but that it estimates does so before it is paused: with a pause it loses its zero.
     ///
     /// # Errors
     /// The device is estimating and nothing was said about it, or it fails.
     pub fn write(
         self,
         client: &mut Client,
-        write: impl FnOnce(&mut Client, WriteConsent) -> Result<(), LinkError>,
+        write: impl Fn(&mut Client, WriteConsent) -> Result<(), LinkError>,
     ) -> Result<Option<Identity>, WriteError> {
         self.may_write(client)?;
-        let pause = self.pauses();
-        if pause {
+        let pauses = self.pauses();
+        let consent = WriteConsent { while_estimating: self.while_estimating && !pauses, rewired: self.rewired };
+        let estimates =
+            |error: &LinkError| matches!(error, LinkError::Refused { refusal, .. } if **refusal == Refusal::Estimating);
+        let (mut pause, mut written) = (false, write(client, consent));
+        if pauses && written.as_ref().is_err_and(estimates) {
             client.set_mode(Mode::Pause)?;
+            (pause, written) = (true, write(client, consent));
         }
-        let consent = WriteConsent { while_estimating: self.while_estimating, rewired: self.rewired };
-        let written = write(client, consent);
         let resumed = match pause && (written.is_err() || !self.reset) {
             true => client.set_mode(Mode::Estimate),
             false => Ok(()),

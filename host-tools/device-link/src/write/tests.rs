@@ -3,6 +3,7 @@
 use super::*;
 use crate::port::PortError;
 use crate::table::to_record;
+use crate::told;
 use crate::{Address, Client, table};
 use embassy_futures::block_on;
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
@@ -32,7 +33,7 @@ fn push(
     let device = Emulator::new().flash(flash).speed(8.0).start().unwrap();
     let (mut client, _) = Client::connect(&device.address().into()).unwrap();
     let record = to_record(&TABLE.admit().unwrap());
-    let done = options.write(&mut client, |client, consent| client.push(record, consent));
+    let done = options.write(&mut client, |client, consent| client.push(record.clone(), consent));
     let mode = client.health().unwrap().mode;
     (done, client.restart().unwrap().source, mode)
 }
@@ -110,6 +111,21 @@ fn what_would_be_refused_is_known_before() {
     assert_eq!(refused(Writing { rewired: true, ..reset }, Some(&driving)), "");
 }
 
+/// A pause would cost it its zero.
+#[test]
+fn what_is_refused_is_so_before_the_device_is_paused() {
+    let device = Emulator::new().speed(8.0).start().unwrap();
+    let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+    let drive = DriveCalibration { gain_codes_per_v: 100.0, offset_code: 0.0, limits: LIMITS, setpoint: None };
+    let driving = to_record(&Table { drive: Some(drive), ..TABLE }.admit().unwrap());
+    told::zero(&mut client, 1.0).unwrap();
+    for options in [Writing { pause: true, ..CAREFUL }, Writing { reset: true, ..CAREFUL }] {
+        let done = options.write(&mut client, |client, consent| client.push(driving.clone(), consent));
+        assert!(matches!(done, Err(WriteError::Link(LinkError::Refused { .. }))), "{done:?}");
+        assert!(client.health().unwrap().bias_age_ticks.is_some(), "{options:?}");
+    }
+}
+
 #[test]
 fn where_what_is_stored_is_damaged_nothing_is_written_before_the_dac_is_unplugged() {
     let device = Emulator::new().flash(RamFlash::new(vec![0; 4096])).speed(8.0).start().unwrap();
@@ -153,18 +169,19 @@ fn a_table_that_is_stored_though_the_one_before_could_not_be_marked_is_said_to_b
 
 #[test]
 fn whether_it_is_stored_is_said_as_far_as_it_is_known() {
-    // Connecting takes two replies, the pause one, then the write.
+    // Connecting takes two replies, the refusal of a device that estimates one, the pause one, then the write.
     for (options, from, says) in [
-        (Writing { pause: true, ..CAREFUL }, 2, None),
-        (Writing { pause: true, ..CAREFUL }, 3, Some(UNSURE)),
-        (Writing { pause: true, ..CAREFUL }, 4, Some(WRITTEN)),
-        (Writing { reset: true, ..CAREFUL }, 4, Some(RESTARTING)),
+        (Writing { pause: true, ..CAREFUL }, 2, Some(UNSURE)),
+        (Writing { pause: true, ..CAREFUL }, 3, None),
+        (Writing { pause: true, ..CAREFUL }, 4, Some(UNSURE)),
+        (Writing { pause: true, ..CAREFUL }, 5, Some(WRITTEN)),
+        (Writing { reset: true, ..CAREFUL }, 5, Some(RESTARTING)),
     ] {
         let device = Emulator::new().speed(8.0).start().unwrap();
         let line = FaultyLine::to(device.address(), lose_replies(from..from + 20)).unwrap();
         let (mut client, _) = Client::connect(&line.address().into()).unwrap();
         let record = to_record(&TABLE.admit().unwrap());
-        let done = options.write(&mut client, |client, consent| client.push(record, consent));
+        let done = options.write(&mut client, |client, consent| client.push(record.clone(), consent));
         let complaint = done.unwrap_err().to_string();
         for known in [UNSURE, WRITTEN, RESTARTING] {
             assert_eq!(complaint.contains(known), says == Some(known), "{from}: {complaint}");

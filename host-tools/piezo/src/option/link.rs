@@ -105,7 +105,7 @@ impl WriteOptions {
         &self,
         client: &mut Client,
         table: Option<&Table>,
-        write: impl FnOnce(&mut Client, WriteConsent) -> Result<(), LinkError>,
+        write: impl Fn(&mut Client, WriteConsent) -> Result<(), LinkError>,
     ) -> Result<(Option<Identity>, Vec<String>)> {
         let busy = self.interrupting.consent(client, self.dry_run)?;
         let writing = self.writing();
