@@ -129,6 +129,20 @@ fn push_and_install_ask_and_nothing_but_yes_is_yes() {
 }
 
 #[test]
+fn a_full_scale_that_the_board_s_file_has_wrong_is_mended_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let board = folder.path().join("board.toml");
+    fs::write(&board, "adc_span = [-0.378, 3.978]\nadc_full_scale = 4095\ndac_full_scale = 4095\n").unwrap();
+    let device = Emulator::new().speed(8.0).start().unwrap();
+    let typed = ["install", DOUBTED, "--narrow", "--board", text(&board), "--port", &port(&device)];
+    let said = Typed::new(&typed, folder.path()).unasked();
+    assert!(
+        said.contains("correct adc_full_scale and dac_full_scale in board.toml") && !said.contains("emit"),
+        "{said}"
+    );
+}
+
+#[test]
 fn flash_asks_and_nothing_but_yes_is_yes() {
     let folder = tempfile::tempdir().unwrap();
     let (table, told) = (for_the_board(folder.path()), folder.path().join("told"));

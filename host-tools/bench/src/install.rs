@@ -13,9 +13,10 @@ use device_link::interrupt::Interrupt;
 use device_link::pil::{Comparison, compare, feed};
 use device_link::table::{in_use, to_record};
 use device_link::write::Writing;
+use estimator_core::table::Misfit;
 use estimator_core::{AdcCode, Admitted, DriveLimits, Range, Table};
 use excitation::{Drive, ExcitationError, Request};
-use protocol::Mode;
+use protocol::{Identity, Mode};
 use std::path::{Path, PathBuf};
 use table_files::{TableFile, TableFileError, agree};
 
@@ -95,6 +96,17 @@ pub fn rehearsal(table: &Admitted) -> Result<Vec<AdcCode>, ExcitationError> {
         seed: 1,
     };
     Ok(Drive::random(&request)?.volts.iter().map(|&volts| table.adc.code(volts)).collect())
+}
+
+/// Refuses a table whose converters, which the board's file has stated, are not the device's.
+///
+/// # Errors
+/// They are not, or the device says what no board has.
+pub fn converters_fit(table: &Table, identity: &Identity) -> Result<(), BenchError> {
+    match table.fits(&board::of(identity)?) {
+        Err(misfit @ Misfit::Converters { .. }) => Err(misfit.into()),
+        _ => Ok(()),
+    }
 }
 
 /// Refuses a table that a device could not take as its wires are, or of which nobody says that they were changed.

@@ -44,7 +44,7 @@ pub use described::{beyond_training, called, caveats, describe, held, time, titl
 pub use driven::Driven;
 pub use emulated::{EMULATED, emulated};
 pub use error::BenchError;
-pub use install::{for_board, install, refusals, rehearsal};
+pub use install::{converters_fit, for_board, install, refusals, rehearsal};
 pub use loan::{FORMER, rest};
 pub use other_range::OtherRange;
 pub use output::{Jump, Output};

@@ -40,14 +40,10 @@ pub fn run(arguments: &Erase) -> Result<bool> {
         let erased = !arguments.write.dry_run;
         out(&serde_json::to_string_pretty(&json!({ "erased": erased, "source": source, "refused": refused }))?);
     } else if arguments.write.dry_run {
-        let would = match (refused.is_empty(), arguments.write.rewired) {
-            (true, true) => "can be done",
-            (true, false) => {
-                "can be done, unless the DAC is wired otherwise than by the image's own table (then with --rewired)"
-            }
-            (false, _) => "would be refused",
-        };
-        out(&format!("emptying the parameter store of {board} {would}; nothing was erased"));
+        let would = if refused.is_empty() { "can be done" } else { "would be refused" };
+        let wires =
+            if arguments.write.rewired { "" } else { ", unless its image's table wants the DAC wired otherwise" };
+        out(&format!("emptying the parameter store of {board} {would}{wires}; nothing was erased"));
     } else {
         out(&format!("the parameter store of {board} is empty"));
         out(&match &restarted {

@@ -9,7 +9,7 @@ use ::calibration::drive::ordered;
 use ::calibration::span::Span;
 use ::calibration::{CalibrationOptions, converter_mismatches};
 use anyhow::{Result, bail};
-use bench::{NO_MODEL, OtherRange, for_board, install, refusals, rehearsal, wire_not_found};
+use bench::{NO_MODEL, OtherRange, converters_fit, for_board, install, refusals, rehearsal, wire_not_found};
 use clap::Args;
 use device_link::board;
 use device_link::busy::idle_as_started;
@@ -76,6 +76,7 @@ pub fn run(arguments: &Install) -> Result<bool> {
         }
     };
     remedy::calibrated(&mut doubts, &facts.calibration(&CalibrationOptions::default()));
+    converters_fit(&table, &identity)?;
     device::fits(&board::of(&identity)?, &table, &name)?;
     converter_mismatches(&table)
         .iter()
