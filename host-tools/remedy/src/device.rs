@@ -15,7 +15,7 @@ use device_link::write::{RESTARTING, UNSURE, WRITTEN, WriteError, sentences};
 use device_link::{Address, LinkError, words};
 use estimator_core::Admitted;
 use estimator_core::table::Misfit;
-use protocol::{Mode, Refusal, VERSION};
+use protocol::{Mode, Refusal, TableSource, VERSION};
 use std::error::Error;
 use std::path::Path;
 
@@ -77,6 +77,26 @@ pub fn not_estimating(mode: Mode, port: &Address) -> Option<String> {
     let does = words::mode(mode);
     let said = || format!("{port}: the device {does}; make it estimate again: piezo reset --port {port}");
     (!mode.measures()).then(said)
+}
+
+/// Whether a device's parameter store would be emptied, if nothing refuses that here. By which wires its image's own
+/// table has its DAC is not known before, unless they are said to be `rewired` for it.
+pub fn would_erase(board: &str, allowed: bool, rewired: bool) -> String {
+    let would = match (allowed, rewired) {
+        (false, _) => "would be refused",
+        (true, true) => "can be done",
+        (true, false) => "can be done, unless its image's own table wants the DAC wired otherwise: then with --rewired",
+    };
+    format!("emptying the parameter store of {board} {would}; nothing was erased")
+}
+
+/// What a device does whose parameter store was emptied, after a restart by the table from this source.
+pub fn erased(board: &str, restarted: Option<&TableSource>, port: &Address) -> String {
+    let now = match restarted {
+        Some(source) => format!("Its table is now {}", words::source(source)),
+        None => format!("The table in use stays until the next reset: piezo reset --port {port}"),
+    };
+    format!("the parameter store of {board} is empty\n{now}")
 }
 
 /// How a rehearsal of a table went, a device beside the host.

@@ -20,7 +20,7 @@ mod waveform;
 
 pub use bench::{complaint, identify, introduced, stopped};
 pub use bits::{Meaning, faults, status};
-pub use device::{board, not_estimating, refusal, rehearsed};
+pub use device::{board, erased, not_estimating, refusal, rehearsed, would_erase};
 pub use findings::{
     DETERMINED, TAUGHT, bring_to, calibrated, determination, doubt, doubt_json, interval, left_out, proven, reason,
     remarked, surveyed, taught,

@@ -5,7 +5,6 @@ use super::print::out;
 use crate::option::link::{PortOption, WriteOptions};
 use anyhow::{Result, ensure};
 use clap::Args;
-use device_link::words;
 use protocol::TableSource;
 use serde_json::json;
 
@@ -40,16 +39,9 @@ pub fn run(arguments: &Erase) -> Result<bool> {
         let erased = !arguments.write.dry_run;
         out(&serde_json::to_string_pretty(&json!({ "erased": erased, "source": source, "refused": refused }))?);
     } else if arguments.write.dry_run {
-        let would = if refused.is_empty() { "can be done" } else { "would be refused" };
-        let wires =
-            if arguments.write.rewired { "" } else { ", unless its image's table wants the DAC wired otherwise" };
-        out(&format!("emptying the parameter store of {board} {would}{wires}; nothing was erased"));
+        out(&remedy::would_erase(board, refused.is_empty(), arguments.write.rewired));
     } else {
-        out(&format!("the parameter store of {board} is empty"));
-        out(&match &restarted {
-            Some(identity) => format!("Its table is now {}", words::source(&identity.source)),
-            None => format!("The table in use stays until the next reset: piezo reset --port {}", arguments.port.port),
-        });
+        out(&remedy::erased(board, restarted.as_ref().map(|identity| &identity.source), &arguments.port.port));
     }
     Ok(true)
 }

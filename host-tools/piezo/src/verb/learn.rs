@@ -113,14 +113,21 @@ pub fn run(arguments: &Learn) -> Result<bool> {
         return Ok(false);
     }
     let Session { seed, .. } = session(&arguments.out)?;
-    let proven = part(identify)? && part(install)? && part(prove(seed)?)?;
-    if proven {
-        out(&format!(
-            "\nThe board goes on without the sensor; {model}/report.html shows what it has learnt. At a known position, and live:\n\n    \
-             piezo zero --port {port}\n    piezo monitor --port {port}"
-        ));
+    let mut next = [identify, install, prove(seed)?].into_iter().peekable();
+    while let Some(words) = next.next() {
+        let what = words[0].clone();
+        if !part(words)? {
+            if let Some(left) = next.peek().filter(|_| !interrupt.wanted()) {
+                out(&format!("FAILED: {what} ends so; what was to come next: piezo {}", typed(left)));
+            }
+            return Ok(false);
+        }
     }
-    Ok(proven)
+    out(&format!(
+        "\nThe board goes on without the sensor; {model}/report.html shows what it has learnt. At a known position, and live:\n\n    \
+         piezo zero --port {port}\n    piezo monitor --port {port}"
+    ));
+    Ok(true)
 }
 
 fn words(words: &[&str]) -> Vec<String> {
