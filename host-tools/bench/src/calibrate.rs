@@ -145,7 +145,7 @@ impl Calibrating<'_> {
     fn believed(&self, before: &[f64], read: f64) -> Result<(), CalibrationError> {
         match (&self.stand, self.channel) {
             (Stand::Driven(driven, volts), Channel::Monitor) => {
-                doubt::of_driven(&[before, &[read]].concat(), volts.map(f64::from), driven.span_v())
+                doubt::of_driven(&[before, &[read]].concat(), volts.map(f64::from), driven.far_v())
             }
             _ => Ok(()),
         }

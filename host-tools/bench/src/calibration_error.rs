@@ -39,7 +39,7 @@ pub enum CalibrationError {
     #[error("the readings {0} and {1} do not differ")]
     SameReading(f64, f64),
     /// The multimeter reads something else than the amplifier was driven to.
-    #[error("the reading {reading} V is more than {most:.0} V from the {volts} V that the amplifier was driven to")]
+    #[error("the reading {reading} V is more than {most:.1} V from the {volts} V that the amplifier was driven to")]
     FarFromDriven {
         /// What was read, V.
         reading: f64,

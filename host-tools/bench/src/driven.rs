@@ -19,6 +19,11 @@ const LONGEST_S: f64 = 60.0;
 /// How long the amplifier gets to come to the voltage after the last step, s, and how long it is held at a time.
 const SETTLES_S: f64 = 0.5;
 pub(crate) const STAYS_S: f64 = 0.25;
+/// What the amplifier puts out may be so far from what it was driven to, of the drive's range, by a calibration to
+/// begin with,
+const FAR: f64 = 0.1;
+/// and by one that was measured.
+const FAR_MEASURED: f64 = 0.05;
 
 /// The board, and where it drives to.
 pub struct Driven {
@@ -26,6 +31,8 @@ pub struct Driven {
     drive: DriveCalibration,
     volts: f32,
     held: Option<Held>,
+    /// The calibration by which it drives was measured.
+    measured: bool,
 }
 
 impl Driven {
@@ -37,12 +44,13 @@ impl Driven {
         let table = table::running(client)?;
         let mut drive = table.drive.ok_or(BenchError::NotDriving)?;
         drive.limits = allowed(volts, drive.limits, facts)?;
-        Ok(Self { table, drive, volts: drive.limits.rest_v, held: None })
+        let measured = facts.board_uid.is_some() && facts.drive_span.is_some();
+        Ok(Self { table, drive, volts: drive.limits.rest_v, held: None, measured })
     }
 
-    /// How wide the drive's range is, V.
-    pub(crate) fn span_v(&self) -> f64 {
-        f64::from(self.drive.limits.range_v.span())
+    /// How far what the amplifier puts out may be from what it was driven to, V.
+    pub(crate) fn far_v(&self) -> f64 {
+        (if self.measured { FAR_MEASURED } else { FAR }) * f64::from(self.drive.limits.range_v.span())
     }
 
     /// Goes to a voltage, V, and waits until the amplifier has come there.

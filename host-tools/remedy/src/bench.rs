@@ -52,7 +52,8 @@ pub fn complaint(complaint: &Complaint) -> String {
 }
 
 /// What a drive by a calibration that is wrong ends with, while that is what is to be calibrated.
-const NEAR: &str = "--drive-to needs a calibration that is right to some 5 % already: else calibrate by hand first, without --drive-to";
+const NEAR: &str = "--drive-to needs spans that are right to some 5 % already: else calibrate the ADC by hand first, without --drive-to, correct \
+                    drive_span in board.toml, and install the table anew";
 
 /// A calibration reads as far from the range's ends, of it.
 const INNER: f32 = 0.1;
@@ -196,12 +197,13 @@ fn calibration(error: &CalibrationError) -> String {
             "measure farther apart, at a tenth and at nine tenths of the range; if it was, is the wire to this channel sound?"
         }
         CalibrationError::FarFromDriven { .. } => {
-            "was it mistyped, or read at the other point, and is the multimeter at the amplifier's output, in V? If it is right, the \
-             calibration in use is wrong by a fifth: calibrate by hand first, without --drive-to"
+            "was it mistyped, or read at the other point, and is the multimeter at the amplifier's output, in V? If it is right, \
+             drive_span in board.toml is wrong by as much: correct it there by the amplifier's data sheet, install the table anew (--rewired), \
+             and repeat"
         }
         CalibrationError::OtherWay { .. } => {
-            "were they swapped or mistyped? If they are right, drive_span has the wrong sign: calibrate by hand first, without \
-             --drive-to"
+            "were they swapped or mistyped? If they are right, drive_span in board.toml goes the wrong way: correct it there, install the \
+             table anew (--rewired), and repeat"
         }
         CalibrationError::Inverted { .. } => {
             "were the readings swapped or mistyped? If the wiring is another one now, remove the line of the former span from board.toml"

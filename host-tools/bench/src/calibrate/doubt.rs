@@ -4,17 +4,12 @@ use super::channel::Channel;
 use crate::calibration_error::CalibrationError;
 use protocol::{Faults, Sample};
 
-/// How far a reading may be from the voltage that was driven to, of the drive's range: a calibration to begin
-/// with is nearer.
-const FAR: f64 = 0.2;
-
 /// Refuses a multimeter's reading, V, that cannot be of the voltage that the amplifier was driven to.
-/// `readings` and `volts` are those of the points so far, the newest last; `span_v` is the drive's range, V.
+/// `readings` and `volts` are those of the points so far, the newest last; they may be `most` apart, V.
 ///
 /// # Errors
 /// The newest is too far from its voltage, or they go the other way than the voltages.
-pub fn of_driven(readings: &[f64], volts: [f64; 2], span_v: f64) -> Result<(), CalibrationError> {
-    let most = FAR * span_v;
+pub fn of_driven(readings: &[f64], volts: [f64; 2], most: f64) -> Result<(), CalibrationError> {
     if let Some((&reading, &volts)) = readings.iter().zip(&volts).next_back()
         && (reading.is_nan() || (reading - volts).abs() > most)
     {
@@ -62,13 +57,13 @@ mod tests {
 
     #[test]
     fn swapped_and_mistyped_readings_are_refused_with_both_numbers() {
-        let of = |readings: &[f64]| of_driven(readings, [10.0, 90.0], 100.0);
+        let of = |readings: &[f64]| of_driven(readings, [10.0, 90.0], 20.0);
         assert_eq!((of(&[11.0]), of(&[11.0, 91.0])), (Ok(()), Ok(())));
         assert_eq!(of(&[91.0]), Err(CalibrationError::FarFromDriven { reading: 91.0, volts: 10.0, most: 20.0 }));
         let said = of(&[11.0, 900.0]).unwrap_err().to_string();
         assert!(said.contains("900 V") && said.contains("90 V"), "{said}");
         let (readings, volts) = ([55.0, 45.0], [45.0, 55.0]);
-        assert_eq!(of_driven(&readings, volts, 100.0), Err(CalibrationError::OtherWay { readings, volts }));
+        assert_eq!(of_driven(&readings, volts, 20.0), Err(CalibrationError::OtherWay { readings, volts }));
         assert!(of(&[f64::NAN]).is_err());
     }
 
