@@ -213,7 +213,7 @@ fn what_plays_is_ended_by_no_other_verb_unless_it_is_told_so() {
     let proof = folder.path().join("proof");
     let prove = ["prove", "--board", text(&board), "--out", text(&proof)];
     let calibrate = ["calibrate", "--board", text(&board), "--drive-to", "1:3", "--low", "1", "--high", "3"];
-    for verb in [&prove[..], &calibrate] {
+    for verb in [&prove[..], &calibrate, &["pil", super::MEASURED]] {
         let complaint = refused(asks(&device, verb));
         assert!(complaint.contains("plays a waveform") && complaint.contains("--force"), "{verb:?}: {complaint}");
         assert_eq!(health(&device)["mode"], "Waveform", "{verb:?}");

@@ -91,16 +91,17 @@ pub struct Verdict {
     pub passed: bool,
     held_percent: Option<f64>,
     mae_percent: f64,
+    stroke_um: f64,
     most_percent: f64,
 }
 
 impl Verdict {
     /// Of figures and shares, where the mean absolute error may be `most_percent` of the stroke, else [`MOST_PERCENT`].
     pub fn of(figures: &Figures, shares: &Shares, most_percent: Option<f64>) -> Self {
-        let (mae_percent, held_percent) = (figures.mae_percent, shares.held_percent);
+        let (mae_percent, stroke_um, held_percent) = (figures.mae_percent, figures.stroke_um, shares.held_percent);
         let most_percent = most_percent.unwrap_or(MOST_PERCENT);
         let held = held_percent.is_none_or(|held| held >= ENOUGH_PERCENT);
-        Self { passed: held && mae_percent <= most_percent, held_percent, mae_percent, most_percent }
+        Self { passed: held && mae_percent <= most_percent, held_percent, mae_percent, stroke_um, most_percent }
     }
 }
 
@@ -113,7 +114,7 @@ impl Verdict {
 
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { passed, held_percent, mae_percent, most_percent } = self;
+        let Self { passed, held_percent, mae_percent, stroke_um, most_percent } = self;
         // Of two, the one that failed it must be told from the other.
         let which = |missed| match (*passed, missed) {
             (true, _) => "",
@@ -130,7 +131,10 @@ impl fmt::Display for Verdict {
             )?;
         }
         let off = which(self.too_far_off());
-        write!(f, "the mean absolute error is {mae_percent:.2} % of the stroke, {most_percent} % are allowed{off}")
+        write!(
+            f,
+            "the mean absolute error is {mae_percent:.2} % of the {stroke_um:.1} µm stroke, {most_percent} % are allowed{off}"
+        )
     }
 }
 

@@ -77,6 +77,14 @@ pub fn introduced(bench: &Bench, wiring: &Wiring, learns: bool, options: &str) -
     (described, next)
 }
 
+/// What a session leaves that was learnt from, installed and proven.
+pub fn learnt(model: &str, port: &str) -> String {
+    format!(
+        "\nThe board goes on without the sensor; {model}/report.html shows what it has learnt. At a known position, and live:\n\n    \
+         piezo zero --port {port}\n    piezo monitor --port {port}"
+    )
+}
+
 fn session(error: &BenchError) -> String {
     match error {
         BenchError::NotDriving => format!(

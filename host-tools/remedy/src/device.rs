@@ -264,8 +264,8 @@ fn busy(error: &Busy) -> String {
         Busy::Drives(Mode::Linearise) => format!("`piezo linearise --stop{port}` ends it"),
         Busy::Drives(_) => format!("Ctrl-C there, or `piezo reset --force{port}`, ends it"),
     };
-    match ["push", "erase", "install", "reset", "prove", "calibrate"].into_iter().any(verb) {
-        true => format!("{error}: {ends}, and --force says that it may end with this"),
+    match ["push", "erase", "install", "pil", "reset", "prove", "calibrate"].into_iter().any(verb) {
+        true => format!("{error}: {ends}, and so does this, typed with --force"),
         false => format!("{error}: {ends}"),
     }
 }

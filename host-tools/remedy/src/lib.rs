@@ -18,7 +18,7 @@ mod unfinished;
 mod verdict;
 mod waveform;
 
-pub use bench::{complaint, identify, introduced, stopped};
+pub use bench::{complaint, identify, introduced, learnt, stopped};
 pub use bits::{Meaning, faults, status};
 pub use device::{board, erased, not_estimating, refusal, rehearsed, would_erase};
 pub use findings::{
@@ -31,7 +31,7 @@ pub use log::{cut_short, kept};
 pub use motion::moving;
 pub use outcome_json::outcome_json;
 pub use paste::{learn_from, quoted};
-pub use proof::{follow_interrupted, narrow, other_range, proof, proof_interrupted, proof_kept};
+pub use proof::{follow_interrupted, narrow, other_range, proof, proof_interrupted, proof_kept, zero_lost};
 pub use stages::{input_stage, input_stage_json, output_stage, output_stage_json};
 pub use state::{Known, state};
 pub use supply::supply;

@@ -63,6 +63,14 @@ pub fn follow_interrupted(why: &PlayError, log: Option<&Path>) -> String {
     format!("{why}: the voltage goes back to rest, and the device estimates{log}")
 }
 
+/// What feeding a device that had been told its displacement leaves behind.
+pub fn zero_lost() -> String {
+    format!(
+        "the estimate began anew, and its zero is lost: `piezo zero --at '<UM>'{}` tells it again.",
+        typed("--port")
+    )
+}
+
 /// What a proof leaves behind.
 fn zeroed() -> String {
     format!(

@@ -123,10 +123,7 @@ pub fn run(arguments: &Learn) -> Result<bool> {
             return Ok(false);
         }
     }
-    out(&format!(
-        "\nThe board goes on without the sensor; {model}/report.html shows what it has learnt. At a known position, and live:\n\n    \
-         piezo zero --port {port}\n    piezo monitor --port {port}"
-    ));
+    out(&remedy::learnt(&model, &port));
     Ok(true)
 }
 

@@ -3,7 +3,7 @@
 
 use super::device::{self, note_damage};
 use super::print::{out, progress};
-use crate::option::link::PortOption;
+use crate::option::link::{Interrupting, PortOption};
 use crate::option::{LogOptions, count};
 use anyhow::{Result, ensure};
 use clap::Args;
@@ -34,6 +34,9 @@ pub struct Pil {
     /// Where the device is.
     #[command(flatten)]
     pub port: PortOption,
+    /// What becomes of what the device drives.
+    #[command(flatten)]
+    pub interrupting: Interrupting,
     /// Reading of the logs.
     #[command(flatten)]
     pub logs: LogOptions,
@@ -52,6 +55,8 @@ pub fn run(arguments: &Pil) -> Result<bool> {
     let logs = arguments.logs.read_all(logs, false)?;
 
     let (mut client, identity) = arguments.port.connect()?;
+    arguments.interrupting.consent(&mut client, false)?;
+    let zeroed = client.health()?.bias_age_ticks.is_some();
     let running = table::running(&mut client)?;
     if let (Some(path), Some((_, table))) = (table, &stated) {
         let (wanted, found) = (to_record(table), to_record(&running));
@@ -76,7 +81,7 @@ pub fn run(arguments: &Pil) -> Result<bool> {
     restored?;
     let health = client.health()?;
     note_damage(&client);
-
+    zeroed.then(|| eprintln!("piezo: careful: {}", remedy::zero_lost()));
     let identical = comparisons.iter().all(Comparison::bit_exact);
     if arguments.json {
         out(&serde_json::to_string_pretty(&to_json(&logs, &comparisons, &health)?)?);
