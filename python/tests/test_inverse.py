@@ -63,6 +63,9 @@ def test_without_a_drive_somebody_must_say_how_fast() -> None:
     with pytest.raises(pz.PiezoError, match="slew_v_per_s"):
         pz.Inverse(table)
     low, high = pz.Inverse(table, slew_v_per_s=100).range_v
-    assert (low, high) == pytest.approx(table.voltage_range_v)
+    # What the training went over, without the twentieth at either end that the estimate covers beside it.
+    lowest, highest = table.voltage_range_v
+    margin = (highest - lowest) * 0.05 / 1.1
+    assert (low, high) == pytest.approx((lowest + margin, highest - margin), abs=1e-6)
     with pytest.raises(pz.PiezoError, match="range_v"):
         pz.Inverse(table, slew_v_per_s=100, range_v=(0.0, 500.0))

@@ -1,6 +1,6 @@
 //! Converters by what is stated of them, and by what is assumed.
 
-use ::calibration::drive::{identified_on, planned, trained_on};
+use ::calibration::drive::{planned, trained_on};
 use ::calibration::span::Span;
 use ::calibration::{Assumed, CalibrationOptions, converter_mismatches};
 use estimator_core::{AdcCode, Admitted, DacCode, Range, Table};
@@ -63,7 +63,7 @@ fn a_plan_keeps_what_is_stated_else_what_the_table_s_drive_may() {
     let plain = table("");
     assert_eq!(planned(&plain, None, None, None), None, "nobody says how fast");
     let limits = planned(&plain, None, None, Some(100.0)).unwrap();
-    assert_eq!((limits.range_v, limits.rest_v, limits.slew_v_per_s), (identified_on(&plain), 0.0, 100.0));
+    assert_eq!((limits.range_v, limits.rest_v, limits.slew_v_per_s), (trained_on(&plain), 0.0, 100.0));
     let drives = table("generalised-prandtl-ishlinskii");
     assert_eq!(planned(&drives, None, None, None), drives.drive.map(|drive| drive.limits));
     let narrow = planned(&drives, Some(Span { zero: 2.0, full: 1.0 }), None, Some(7.0)).unwrap();

@@ -25,7 +25,10 @@ pub(super) fn channels(columns: &[Column], labels: &[Label], time_needed: bool, 
             Quantity::Time => free().find(|&at| columns[at].stamps || (seek_clock && is_clock(&columns[at].values))),
             _ => free().find(|&at| is_signal(&columns[at].values) && is_free_of(labels, at, quantity)),
         };
-        let in_order = || free().find(|&at| quantity != Quantity::Time && is_free_of(labels, at, quantity));
+        let in_order = || {
+            let may_be = |at: usize| is_free_of(labels, at, quantity) && !counts_rows(&columns[at].values);
+            free().find(|&at| quantity != Quantity::Time && may_be(at))
+        };
         if let Some(index) = named.or_else(in_unit).or_else(by_numbers).or_else(in_order) {
             let unit = labels[index].unit_of(quantity).unwrap_or(quantity.base());
             channels = channels.with(quantity, Channel::new(index, unit));
@@ -50,6 +53,11 @@ fn is_clock(values: &[f64]) -> bool {
     let [first, .., last] = values else { return false };
     let mean = (last - first) / (values.len() - 1) as f64;
     mean > 0.0 && values.windows(2).all(|pair| (pair[1] - pair[0] - mean).abs() <= 0.5 * mean)
+}
+
+/// Whether values are the rows' numbers.
+fn counts_rows(values: &[f64]) -> bool {
+    values.len() > 2 && values.windows(2).all(|pair| pair[1] - pair[0] == 1.0)
 }
 
 /// The columns as stated where the displacement's holds a sensor's volts: with its scale if that is known, else with a

@@ -59,6 +59,14 @@ fn tables_without_a_header() {
     assert!(matches!(fault, Fault::NoSuchColumn { .. }), "{fault}");
 }
 
+#[test]
+fn a_number_of_the_row_is_not_offered_as_a_displacement() {
+    let text: String = (0..300).map(|row| format!("{row},{}\n", (f64::from(row) * 0.1).sin())).collect();
+    let (_, fault) = refused(&format!("X,CH1\nSequence,Volt\n{text}"), &options("", Some(2e3)));
+    let Fault::NoColumn { quantity: Quantity::Displacement, example, .. } = fault else { panic!("{fault}") };
+    assert_eq!(example, "voltage=2:V,displacement=<COLUMN>:<UNIT>");
+}
+
 /// `text` with `from` replaced by `to` in the row at line 10 of a file whose header is line 2.
 fn with_line_10(to: &str) -> String {
     let text = csv("# log\nt_s,u_V,y_um\n", 0.001, ",");
