@@ -66,6 +66,9 @@ fn whether_small_voltages_are_a_monitors_is_asked_unless_that_is_said() {
         |more: &[&str]| String::from_utf8(identify(MEASURED, &folder.path().join("model"), more).stdout).unwrap();
     let asks = "The voltage goes from 0.000 to 3.600 V: is this voltage a monitor's";
     assert!(said(&[]).contains(asks) && !said(&["--voltage-scale", "20"]).contains("is this voltage a monitor's"));
+    let board = folder.path().join("board.toml");
+    fs::write(&board, "adc_span = [-22.0, 22.0]\nadc_full_scale = 65520\n").unwrap();
+    assert!(!said(&["--board", text(&board)]).contains("is this voltage a monitor's"), "its volts are known");
 }
 
 #[test]
@@ -198,7 +201,7 @@ fn voltages_beyond_what_the_logs_taught_are_said() {
     let folder = tempfile::tempdir().unwrap();
     // Its logs went from 0 to 3.6 V, and it covers a little more.
     let table = "tests/data/table/table.toml";
-    let planned = |highest: f64| {
+    let planned = |highest: f64, range: &[&str]| {
         let row = |k: u32| {
             format!("{:.3},{:.4}\n", f64::from(k) * 1e-3, 10.0 + highest * (0.5 - 0.5 * (f64::from(k) * 3e-3).cos()))
         };
@@ -206,12 +209,15 @@ fn voltages_beyond_what_the_logs_taught_are_said() {
         fs::write(&path, "time_s,displacement_um\n".to_owned() + &(0..2100).map(row).collect::<String>()).unwrap();
         let out = folder.path().join("voltages.csv");
         let more = ["--slew", "100", "--out", text(&out), "--max-error", "100", "--rest", "1.2"];
-        let output = piezo().args(["feedforward", table, text(&path)]).args(more).output().unwrap();
+        let output = piezo().args(["feedforward", table, text(&path)]).args(more).args(range).output().unwrap();
         String::from_utf8(output.stdout).unwrap()
     };
-    let beyond = planned(60.0);
+    let beyond = planned(60.0, &["--range", "0:3.78"]);
     assert!(beyond.contains("V beyond what the logs taught"), "{beyond}");
-    let within = planned(15.0);
+    // Nobody goes there unasked.
+    let unasked = planned(60.0, &[]);
+    assert!(unasked.contains("0 … 3.6 V") && !unasked.contains("beyond what the logs taught"), "{unasked}");
+    let within = planned(15.0, &[]);
     assert!(!within.contains("beyond what the logs taught"), "{within}");
 }
 

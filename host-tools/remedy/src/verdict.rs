@@ -6,8 +6,8 @@ use findings::Micrometres;
 use identification::{Doubt, Outcome};
 use std::path::Path;
 
-/// How good it is, in plain words.
-pub fn verdict(outcome: &Outcome) -> Vec<String> {
+/// How good it is, in plain words. That a board's file says what its codes stand for leaves no doubt of the volts.
+pub fn verdict(outcome: &Outcome, by_board: bool) -> Vec<String> {
     let (candidate, learnt) = (outcome.judged(), &outcome.learnt);
     let mut sentences =
         vec![format!("Model: {}, since {}", candidate.table.model(), findings::reason(&outcome.reason))];
@@ -53,7 +53,7 @@ pub fn verdict(outcome: &Outcome) -> Vec<String> {
     sentences.push(format!("{}.", findings::zeros(recipe)));
     let volts = outcome.learnt_from().training_voltages();
     let recorded = Range { min: volts.min + recipe.voltage_zero_v, max: volts.max + recipe.voltage_zero_v };
-    if let Some(asked) = findings::monitor_asked(recorded).filter(|_| recipe.voltage_scale == 1.0) {
+    if let Some(asked) = findings::monitor_asked(recorded).filter(|_| recipe.voltage_scale == 1.0 && !by_board) {
         sentences.push(format!("The voltage goes from {:.3} to {:.3} V: {asked}.", recorded.min, recorded.max));
     }
     sentences
