@@ -8,7 +8,8 @@
 //!
 //! Beside both lies whether a displacement was told, which every reset loses. Whoever relies on it is to hear so of any
 //! that nobody has asked for over the link, of the pin's and the supply's as well; where the memory has lost its
-//! content, nobody knows.
+//! content, nobody knows. And it says of a reset whether it was asked for, which the chip cannot tell from one of its
+//! own.
 
 use core::cell::Cell;
 use core::mem::MaybeUninit;
@@ -45,9 +46,9 @@ impl Restarts {
 }
 
 /// Three numbers, each with its complement, without which it is none: after power-on the memory holds anything.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Default)]
 #[repr(C)]
-pub struct Kept {
+struct Kept {
     count: [u32; 2],
     safe: [u32; 2],
     event: [u32; 2],
@@ -68,39 +69,48 @@ fn unsealed([number, check]: [u32; 2]) -> Option<u32> {
     (check == !number).then_some(number)
 }
 
-/// The place in memory.
-struct Place(Cell<MaybeUninit<Kept>>);
+/// A place in memory for what the starts leave each other, which need not have been written.
+pub struct Place(Cell<MaybeUninit<Kept>>);
 
-// SAFETY: it is used through `Memory` alone, which stays with the main loop.
-unsafe impl Sync for Place {}
+impl Default for Place {
+    fn default() -> Self {
+        Self(Cell::new(MaybeUninit::new(Kept::default())))
+    }
+}
+
+/// The place that no reset clears.
+struct Lasting(Place);
+
+// SAFETY: it is used through the `Memory` alone that the boot hands out once, which stays with the main loop.
+unsafe impl Sync for Lasting {}
 
 #[cfg_attr(target_os = "none", unsafe(link_section = ".uninit.restarts"))]
-static PLACE: Place = Place(Cell::new(MaybeUninit::uninit()));
+static LASTING: Lasting = Lasting(Place(Cell::new(MaybeUninit::uninit())));
 
 /// Where the starts leave each other what they know. It stays with the main loop: neither it nor a reference to it can
 /// be sent to an interrupt.
-#[derive(Clone, Copy, Debug)]
-pub struct Memory<'m>(&'m Cell<Kept>);
+#[derive(Clone, Copy)]
+pub struct Memory<'m>(&'m Place);
 
 /// The memory that no reset clears.
 ///
 /// # Safety
 /// Once, at boot, by what becomes the main loop.
 pub unsafe fn memory() -> Memory<'static> {
-    // SAFETY: by the caller's promise nothing else refers to the place, and every bit pattern is numbers.
-    Memory(unsafe { &*PLACE.0.as_ptr().cast() })
+    Memory(&LASTING.0)
 }
 
 impl<'m> Memory<'m> {
     /// Memory of a board that has no such place: it lasts as long as its owner.
-    pub fn new(kept: &'m Cell<Kept>) -> Self {
-        Self(kept)
+    pub fn new(place: &'m Place) -> Self {
+        Self(place)
     }
 
     fn change(self, change: impl FnOnce(&mut Kept)) {
-        let place = self.0.as_ptr();
-        // SAFETY: a cell's own pointer, on the one thread that has it. Volatile, because what the reset has left is not
-        // what the program's image says, and because this program may not read again what it writes.
+        let place: *mut Kept = self.0.0.as_ptr().cast();
+        // SAFETY: a cell's own pointer, on the one thread that has it. What the program has not written lies in memory
+        // that it does not initialise: a volatile read has what the reset has left there, and every bit pattern is
+        // numbers. Written volatile, because this program may not read it again.
         let mut kept = unsafe { place.read_volatile() };
         change(&mut kept);
         // SAFETY: as above.
@@ -179,8 +189,8 @@ mod tests {
     #[test]
     fn the_count_is_kept_until_it_is_forgotten_and_the_safe_code_with_it() {
         let own = ResetCause::SOFTWARE;
-        let kept = Cell::new(Kept::default());
-        let memory = Memory::new(&kept);
+        let place = Place::default();
+        let memory = Memory::new(&place);
         memory.forget();
         memory.keep_safe(DacCode(512));
         let after = |count, safe| Restarts { count, safe, ..Restarts::NONE };
@@ -205,8 +215,8 @@ mod tests {
     #[test]
     fn what_was_told_is_forgotten_by_the_reset_that_is_asked_for_and_by_no_other() {
         let own = ResetCause::SOFTWARE;
-        let kept = Cell::new(Kept::default());
-        let memory = Memory::new(&kept);
+        let place = Place::default();
+        let memory = Memory::new(&place);
         memory.keep_told();
         for cause in [own, ResetCause::WATCHDOG, ResetCause::PIN, ResetCause::BROWN_OUT, ResetCause::empty()] {
             assert!([memory.count(cause), memory.count(cause)].iter().all(|start| start.told), "{cause:?}");
@@ -215,7 +225,9 @@ mod tests {
         assert!([own, own].iter().all(|&cause| !memory.count(cause).told));
         memory.asked();
         assert!(!memory.count(ResetCause::BROWN_OUT).asked, "power came before the reset that was asked for");
-        kept.set(Kept { event: [TOLD, TOLD], ..kept.get() });
+        memory.asked();
+        assert!(!memory.count(ResetCause::WATCHDOG).asked, "so did the watchdog");
+        memory.change(|kept| kept.event = [TOLD, TOLD]);
         assert!(!memory.count(own).told, "as memory may be after the loss of power");
     }
 }

@@ -11,12 +11,11 @@ use embedded_storage_async::nor_flash::NorFlash;
 use estimator_core::DacCode;
 use estimator_core::table::Interface;
 use firmware::rate::{TICK_HZ, TICK_US};
-use firmware::restarts::{Kept, Memory, Restarts};
+use firmware::restarts::{Memory, Place, Restarts};
 use firmware::waveform::Points;
 use firmware::{Chip, Facts, Peripherals, Resources, Telemetry, Tick};
 use parameter_store::StoreError;
 use protocol::{ResetCause, Uid};
-use std::cell::Cell;
 use std::ops::Range;
 
 /// Counts of the emulated cycle counter in a second; a count is a nanosecond.
@@ -53,7 +52,7 @@ impl<P: Plant, F: NorFlash> Board<'_, P, F> {
     /// The pages do not fit the flash.
     pub async fn run(mut self) -> Result<std::convert::Infallible, StoreError> {
         let mut reset = ResetCause::BROWN_OUT;
-        let (points, kept) = (Points::new(), Cell::new(Kept::default()));
+        let (points, kept) = (Points::new(), Place::default());
         let memory = Memory::new(&kept);
         loop {
             let mut resources = Resources::new();

@@ -8,7 +8,7 @@ use estimator_core::table::Interface;
 use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, Range, SetpointCalibration, Table};
 use firmware::drive::Drive;
 use firmware::panel::Front;
-use firmware::restarts::{Kept, Memory, Restarts};
+use firmware::restarts::{Memory, Place, Restarts};
 use firmware::waveform::Points;
 use firmware::{Conversion, Facts, Peripherals, Resources, Telemetry, Tick, run};
 use parameter_store::StoreError;
@@ -95,7 +95,7 @@ pub fn live(
 ) {
     let (line, telemetry, points) = (Line::default(), Telemetry::new(), Points::new());
     let mut resources = Resources::new();
-    let kept = Cell::new(Kept::default());
+    let kept = Place::default();
     let tick = RefCell::new(None);
     let board = Peripherals {
         facts: FACTS,
