@@ -23,8 +23,8 @@ const MOST_TICKS: usize = 100_000_000;
 #[pymethods]
 impl Inverse {
     /// The inverse of a table's model within limits of the amplifier voltage (V) and of its change (V/s), which are the
-    /// table's drive's where they are not stated; else all voltages that the model was identified on, and rest at 0 V
-    /// or next to it.
+    /// table's drive's where they are not stated; else all voltages that the training went over, and rest at 0 V or
+    /// next to it.
     #[new]
     #[pyo3(signature = (table, *, range_v=None, rest_v=None, slew_v_per_s=None))]
     fn new(

@@ -47,11 +47,16 @@ pub fn limits(range_v: Range, rest: Option<f64>, slew: f64) -> DriveLimits {
     DriveLimits { range_v, rest_v, slew_v_per_s: slew as f32 }
 }
 
-/// The limits that a plan keeps: what is stated, else the table's drive's, else what its training went over,
-/// at rest at 0 V or next to it. `None` where nobody says how fast the voltage may change, V/s.
+/// The limits that a plan keeps: what is stated, else the table's drive's, else what its training went over, with a
+/// rest that is stated within the margin of that; at rest at 0 V or next to it. `None` where nobody says how fast the
+/// voltage may change, V/s.
 pub fn planned(table: &Table, range: Option<Span>, rest: Option<f64>, slew: Option<f64>) -> Option<DriveLimits> {
     let drive = table.drive.map(|drive| drive.limits);
-    let range = range.map(ordered).or(drive.map(|drive| drive.range_v)).unwrap_or_else(|| trained_on(table));
+    let taught = || match rest.map(|rest| rest as f32).filter(|&rest| identified_on(table).contains(rest)) {
+        Some(rest) => trained_on(table).include(rest),
+        None => trained_on(table),
+    };
+    let range = range.map(ordered).or(drive.map(|drive| drive.range_v)).unwrap_or_else(taught);
     let rest = rest.or(drive.map(|drive| range.clamp(drive.rest_v).into()));
     Some(limits(range, rest, slew.or(drive.map(|drive| drive.slew_v_per_s.into()))?))
 }
@@ -133,7 +138,7 @@ impl DriveOptions {
 
     fn drive(&self, table: &mut Table, span: Span, slew: f64) {
         let gain = f64::from(table.dac.full_scale) / (span.full - span.zero);
-        let (dac, model) = (ordered(span), trained_on(table));
+        let (dac, model) = (ordered(span), identified_on(table));
         let most = self.drive_within.map_or(dac, |within| dac.intersection(ordered(within)));
         table.drive = Some(DriveCalibration {
             gain_codes_per_v: gain as f32,

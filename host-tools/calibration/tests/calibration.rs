@@ -64,6 +64,9 @@ fn a_plan_keeps_what_is_stated_else_what_the_table_s_drive_may() {
     assert_eq!(planned(&plain, None, None, None), None, "nobody says how fast");
     let limits = planned(&plain, None, None, Some(100.0)).unwrap();
     assert_eq!((limits.range_v, limits.rest_v, limits.slew_v_per_s), (trained_on(&plain), 0.0, 100.0));
+    let (trained, margin) = (trained_on(&plain), 0.01);
+    let beside = planned(&plain, None, Some(f64::from(trained.min - margin)), Some(100.0)).unwrap();
+    assert_eq!((beside.range_v, beside.rest_v), (trained.include(trained.min - margin), trained.min - margin));
     let drives = table("generalised-prandtl-ishlinskii");
     assert_eq!(planned(&drives, None, None, None), drives.drive.map(|drive| drive.limits));
     let narrow = planned(&drives, Some(Span { zero: 2.0, full: 1.0 }), None, Some(7.0)).unwrap();

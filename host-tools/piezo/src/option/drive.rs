@@ -17,7 +17,7 @@ pub struct DriveArgs {
     /// Fastest change of that voltage, V/s.
     #[arg(long, value_name = "V/s", requires = "drive_span", allow_hyphen_values = true)]
     pub drive_slew: Option<f64>,
-    /// Voltages that it may be driven to, V. Without it, all that the DAC can and the training went over.
+    /// Voltages that it may be driven to, V. Without it, all that the DAC can and the model was identified on.
     #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "V:V", requires = "drive_span")]
     pub drive_range: Option<Span>,
     /// Voltage when nothing is wanted or something is wrong, V. Without it 0, or the voltage nearest to it.

@@ -26,7 +26,8 @@ pub(super) fn channels(columns: &[Column], labels: &[Label], time_needed: bool, 
             _ => free().find(|&at| is_signal(&columns[at].values) && is_free_of(labels, at, quantity)),
         };
         let in_order = || {
-            let may_be = |at: usize| is_free_of(labels, at, quantity) && !counts_rows(&columns[at].values);
+            let is_number = |at: usize| Some(&at) == all.first() && counts_rows(&columns[at].values);
+            let may_be = |at: usize| is_free_of(labels, at, quantity) && !is_number(at);
             free().find(|&at| quantity != Quantity::Time && may_be(at))
         };
         if let Some(index) = named.or_else(in_unit).or_else(by_numbers).or_else(in_order) {
@@ -55,7 +56,7 @@ fn is_clock(values: &[f64]) -> bool {
     mean > 0.0 && values.windows(2).all(|pair| (pair[1] - pair[0] - mean).abs() <= 0.5 * mean)
 }
 
-/// Whether values are the rows' numbers.
+/// Whether values are the rows' numbers, as a first column may have them.
 fn counts_rows(values: &[f64]) -> bool {
     values.len() > 2 && values.windows(2).all(|pair| pair[1] - pair[0] == 1.0)
 }
