@@ -91,11 +91,11 @@ pub(crate) fn flawed(log: &str, worst: &Flaw, count: usize, left_out: bool, most
             "in {log} {what}: what was measured there was left out, and the voltage is taken to go straight on (--repair); where it reversed \
              there, what was learnt of the next swing is wrong by that"
         ),
-        (Flaw::Step { .. }, true) => format!(
+        (Flaw::Step { .. }, _) if left_out || most => format!(
             "in {log} {what}: what was measured behind it was taken back by that (--repair), which is as exact as the step is sharp; record it \
              again without"
         ),
-        (Flaw::Step { .. }, false) if !most => format!(
+        (Flaw::Step { .. }, _) => format!(
             "in {log} {what}, and it was learnt and judged as if the actuator had stepped: record it again, or have what lies behind it taken back \
              with --repair"
         ),

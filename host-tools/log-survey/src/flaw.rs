@@ -16,7 +16,7 @@ use std::ops::Range;
 
 pub(crate) use commanded::Commanded;
 pub(crate) use leaps::{Explained, SPIKE_ROWS};
-pub(crate) use repair::sound_rows;
+pub(crate) use repair::{level, sound_rows};
 pub use repair::{measured, sound};
 
 #[cfg(test)]

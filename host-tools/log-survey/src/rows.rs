@@ -3,7 +3,7 @@
 
 use crate::ahead::{self, Ahead};
 use crate::clock::{Clock, Tally};
-use crate::flaw::{Flaw, gravest, holes, in_rows, sound_rows};
+use crate::flaw::{Flaw, gravest, holes, in_rows, level, sound_rows};
 use crate::implausible::Implausible;
 use recordings::log::bridge;
 use serde::Serialize;
@@ -88,13 +88,15 @@ impl Rows {
     /// The stroke without these flaws, where it is none of a piezo actuator's.
     pub fn implausible(&self, flaws: &[Flaw], clock: &Clock) -> Option<Implausible> {
         let (voltage, displacement) = self.series.as_ref()?;
-        let sound = sound_rows(voltage.len(), 0.0, 1.0 / clock.hz, flaws);
+        let (mut displacement, period) = (displacement.clone(), 1.0 / clock.hz);
+        level(&mut displacement, 0.0, period, flaws);
+        let sound = sound_rows(voltage.len(), 0.0, period, flaws);
         let span = |values: &[f64]| {
             let (low, high) = sound.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &row| {
                 (low.min(values[row]), high.max(values[row]))
             });
             high - low
         };
-        Implausible::of(span(displacement), span(voltage))
+        Implausible::of(span(&displacement), span(voltage))
     }
 }

@@ -88,16 +88,23 @@ pub(crate) fn sound_rows(rows: usize, start_s: f64, period: f64, flaws: &[Flaw])
 
 /// A log whose displacement goes on at the level before each step of it.
 fn levelled<'l>(log: &'l Log, flaws: &[Flaw]) -> Cow<'l, Log> {
-    let mut levelled = Cow::Borrowed(log);
+    let (Some(_), true) = (&log.displacement, flaws.iter().any(|flaw| matches!(flaw, Flaw::Step { .. }))) else {
+        return Cow::Borrowed(log);
+    };
+    let mut log = log.clone();
+    log.displacement.iter_mut().for_each(|displacement| level(displacement, log.start_s, log.sample_period, flaws));
+    Cow::Owned(log)
+}
+
+/// Takes a displacement back by each step of it; its rows begin at `start_s`, one a `period`, s.
+pub(crate) fn level(displacement: &mut [f64], start_s: f64, period: f64, flaws: &[Flaw]) {
     for flaw in flaws {
         if let Flaw::Step { at, leap_um } = flaw {
-            let middle_s = 0.5 * (at.from_s + at.to_s) - log.start_s;
-            let behind = (middle_s / log.sample_period).ceil().max(0.0) as usize;
-            let rows = levelled.to_mut().displacement.iter_mut().flatten().skip(behind);
-            rows.for_each(|value| *value -= leap_um);
+            let middle_s = 0.5 * (at.from_s + at.to_s) - start_s;
+            let behind = (middle_s / period).ceil().max(0.0) as usize;
+            displacement.iter_mut().skip(behind).for_each(|value| *value -= leap_um);
         }
     }
-    levelled
 }
 
 /// A log without its displacement's steps, and with a voltage on the straight line between the rows beside each spike

@@ -38,12 +38,18 @@ pub fn steps(voltage: &[f64], displacement: &[f64], volts: f64, stroke: f64, per
     };
     let is_step = |&(at, gap): &(usize, f64)| {
         let (gap, early) = (gap.abs(), |rows: usize| at.saturating_sub(rows));
-        let beside = largest(&measured, early(2 * ROWS), at + 2 * ROWS + 1);
-        let before = largest(&measured, early(4 * ROWS), early(2 * ROWS));
-        let behind = largest(&measured, at + 2 * ROWS + 1, at + 4 * ROWS + 1);
-        let leap_v = largest(&commanded, early(late), at + 2 * ROWS);
-        let explained = leap_v > 0.0 && gap * volts <= EXPLAINED * stroke * leap_v;
-        gap >= beside && gap > FURTHER * before.max(behind) && !explained
+        // Of two that are alike it is the first.
+        let steepest =
+            gap > largest(&measured, early(2 * ROWS), at) && gap >= largest(&measured, at + 1, at + 2 * ROWS + 1);
+        let near = || {
+            let before = largest(&measured, early(4 * ROWS), early(2 * ROWS));
+            before.max(largest(&measured, at + 2 * ROWS + 1, at + 4 * ROWS + 1))
+        };
+        let explained = || {
+            let leap_v = largest(&commanded, early(late), at + 2 * ROWS);
+            leap_v > 0.0 && gap * volts <= EXPLAINED * stroke * leap_v
+        };
+        steepest && gap > FURTHER * near() && !explained()
     };
     // What a log begins with may follow a voltage before it.
     let seen = measured.iter().copied().enumerate().take(measured.len().saturating_sub(2 * ROWS)).skip(late);
@@ -147,6 +153,24 @@ mod tests {
             let displacement: Vec<f64> = (begin..begin + 6_000).map(|row| 0.1 * volts(row - late.min(row))).collect();
             assert!(!has_steps(&voltage, &displacement), "{late} rows late from {begin}");
         }
+    }
+
+    /// The lines on either side of a row that is halfway are alike.
+    #[test]
+    fn a_step_with_a_row_halfway_is_one() {
+        let voltage: Vec<f64> = (0..4_000).map(|row| 20.0 * (f64::from(row) * 1e-3).min(1.0)).collect();
+        let step = |row: usize| {
+            if row < 3_000 {
+                2.5
+            } else if row == 3_000 {
+                6.5
+            } else {
+                10.5
+            }
+        };
+        let displacement: Vec<f64> = voltage.iter().enumerate().map(|(row, v)| 0.1 * v + step(row)).collect();
+        let found = in_rows(&voltage, &displacement, 0.0, 5e-4);
+        assert!(matches!(found[..], [Flaw::Step { leap_um, .. }] if (leap_um - 8.0).abs() < 1e-6), "{found:?}");
     }
 
     #[test]

@@ -36,7 +36,8 @@ pub struct Fitting {
     pub hold_out: Option<f64>,
     /// Leave out what is no measurement: a value that is no number, rows that the time stamps leave out, where the
     /// displacement leaps away and back or stands still while the voltage moves, and where the voltage is cut off or
-    /// leaps alone. The voltage is run through all the same, straight past its own leaps.
+    /// leaps alone. The voltage is run through all the same, straight past its own leaps. Behind a step of the sensor
+    /// alone the displacement is taken back by it.
     #[arg(long)]
     pub repair: bool,
     /// Print the result as JSON.

@@ -47,7 +47,7 @@ pub struct Validate {
     pub displacement_scale: Option<f64>,
     /// Score nothing that is no measurement, by the rule of `identify --repair`: a value that is no number, a row that
     /// the time stamps leave out, or where the sensor leaps away and back or stands still. The voltage is run through
-    /// all the same, straight past its own leaps.
+    /// all the same, straight past its own leaps; behind a step of the sensor alone the displacement is taken back.
     #[arg(long)]
     pub repair: bool,
     /// Print the figures as JSON.
