@@ -350,6 +350,19 @@ fn a_late_sensor_is_found_out() {
     let later_than_may_be = learnt(&late, "1");
     assert_eq!(number(&later_than_may_be, "/recipe/delay_ticks"), 2.0);
     assert!(doubts(&later_than_may_be).contains(&"delay-at-bound"), "{:?}", doubts(&later_than_may_be));
+    // A lag that is said is one beside the sensor's delay.
+    let automatic =
+        ["--delay", "auto", "--max-delay", "3", "--lag", "0.5", "--model", "generalised-prandtl-ishlinskii"];
+    let beside =
+        number(&identify(&late, &[&["--evaluations", "4", "--devices", "0"], &automatic]), "/recipe/delay_ticks");
+    assert!((3.0..=5.0).contains(&beside), "{beside} beside a lag");
+    // One beyond what the model looks for at once: 9 ms, 18 ticks.
+    let latest = logs().map(|log| {
+        let recorded = log.displacement.clone().unwrap();
+        displaced(&log, |row, _| recorded[row.saturating_sub(90)])
+    });
+    let found = number(&learnt(&latest, "12"), "/recipe/delay_ticks");
+    assert!((17.0..=19.0).contains(&found), "{found}");
     // A slow sine does not tell a delay, of 5 ms, from a lag.
     let slow = measured();
     let recorded = slow.displacement.clone().unwrap();

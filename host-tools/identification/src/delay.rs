@@ -38,6 +38,8 @@ pub fn estimate(
     seed: u32,
 ) -> Result<Delay, PrepareError> {
     let tick_ms = recipe.tick_s() * 1e3;
+    // What is said of the lag is said beside the sensor's delay.
+    let conditions = Conditions { lag_s: None, ..conditions };
     let largest = (prepare.max_delay / tick_ms).round() as u32;
     let mut ticks = 0;
     loop {
@@ -48,7 +50,7 @@ pub fn estimate(
         if !late.delayed {
             let late_ticks = late.delay_ticks + late.lag_ticks;
             let undetermined = || Doubt::DelayUndetermined { late_ms: late_ticks * tick_ms };
-            return Ok(Delay { ticks, doubt: (late_ticks > LATE).then(undetermined) });
+            return Ok(Delay { ticks, doubt: (ticks == 0 && late_ticks > LATE).then(undetermined) });
         }
         ticks += (late.delay_ticks + ROUNDED) as u32;
         if ticks > largest {

@@ -169,7 +169,7 @@ pub enum Doubt {
     },
     /// The delay that was found is larger than the largest that was to be looked for.
     DelayAtBound {
-        /// The delay, ms.
+        /// That largest one, which is taken, ms.
         delay_ms: f64,
     },
 }

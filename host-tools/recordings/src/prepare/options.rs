@@ -35,9 +35,9 @@ pub struct PrepareOptions {
     /// Displacement (µm, scaled) that the model calls 0, or where it is left to the logs: where the sensor stands when
     /// the voltage is at its zero.
     pub displacement_zero: AutoOr,
-    /// How much later the sensor shows a displacement than it happens, ms, or by cross-validation.
+    /// How much later the sensor shows a displacement than it happens, ms, or what the logs tell from a lag.
     pub delay: AutoOr,
-    /// Largest delay that is tried where it is to be found, ms, in ten steps: what the sensor can have.
+    /// Largest delay that is taken where it is to be found, ms: what the sensor can have.
     pub max_delay: f64,
     /// Cut off the start of each log, s (a start-up transient).
     pub skip_start: f64,
