@@ -39,7 +39,7 @@ pub fn memory_at_ends(problem: &Problem, table: &Admitted, memory_um: f64, misfi
         let beyond = (off_in_first_swing(table, session)?.powi(2) - misfit_um.powi(2)).max(0.0).sqrt();
         let share = FEW * beyond / memory_um;
         let needed = if share > 1.0 { share } else { (share - open) / (1.0 - open) };
-        (open < OUTER && needed.is_finite()).then_some((open, needed))
+        ((open < OUTER || share > 1.0) && needed.is_finite()).then_some((open, needed))
     };
     let starts: Vec<(f64, f64)> = problem.training().filter_map(of).collect();
     let at_an_end = starts.iter().filter(|(open, _)| *open < AT_END).map(|(_, needed)| *needed).reduce(f64::max);
@@ -147,6 +147,8 @@ mod tests {
             "what is open without it is taken off"
         );
         assert_eq!(learnt(&Log { part: 0.4, ..LOG }, 0.0), UNSEEN, "a start in the middle says nothing of the ends");
+        let beyond = learnt(&Log { part: 0.5, first_um: 2.0 * M, ..LOG }, 0.0);
+        assert!((beyond - 3.0).abs() < 0.1, "but where no memory explains it: {beyond}");
         let sound = learnt(&Log { part: 0.3, first_um: 0.1 * M, ..LOG }, 0.0);
         assert_eq!(sound, UNSEEN, "a good start between says not that an end is good");
     }
