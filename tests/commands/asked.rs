@@ -137,7 +137,7 @@ fn a_full_scale_that_the_board_s_file_has_wrong_is_mended_there() {
     let typed = ["install", DOUBTED, "--narrow", "--board", text(&board), "--port", &port(&device)];
     let said = Typed::new(&typed, folder.path()).unasked();
     assert!(
-        said.contains("correct adc_full_scale and dac_full_scale in board.toml") && !said.contains("emit"),
+        said.contains("state the device's adc_full_scale and dac_full_scale in board.toml") && !said.contains("emit"),
         "{said}"
     );
 }

@@ -66,9 +66,12 @@ fn whether_small_voltages_are_a_monitors_is_asked_unless_that_is_said() {
         |more: &[&str]| String::from_utf8(identify(MEASURED, &folder.path().join("model"), more).stdout).unwrap();
     let asks = "The voltage goes from 0.000 to 3.600 V: is this voltage a monitor's";
     assert!(said(&[]).contains(asks) && !said(&["--voltage-scale", "20"]).contains("is this voltage a monitor's"));
-    let board = folder.path().join("board.toml");
-    fs::write(&board, "adc_span = [-22.0, 22.0]\nadc_full_scale = 65520\n").unwrap();
-    assert!(!said(&["--board", text(&board)]).contains("is this voltage a monitor's"), "its volts are known");
+    // Beside a session's description it is one of a board's logs, whose volts are known.
+    let log = folder.path().join("01-log.csv");
+    fs::copy(super::root().join(MEASURED), &log).unwrap();
+    fs::write(folder.path().join("session.toml"), "complete = true\nseed = 1\nlogs = []\n").unwrap();
+    let recorded = identify(text(&log), &folder.path().join("recorded"), &[]);
+    assert!(!String::from_utf8(recorded.stdout).unwrap().contains("is this voltage a monitor's"));
 }
 
 #[test]

@@ -165,7 +165,7 @@ fn learn_ends_with_a_table_that_is_installed_and_proven() {
     let ended = piezo().args([&link[..], &range, &short, &poor].concat()).assert().code(1).get_output().clone();
     let printed = String::from_utf8(ended.stdout).unwrap();
     assert!(printed.contains("belongs on no board") && !printed.contains("$ piezo install"), "{printed}");
-    assert!(printed.contains("\nFAILED: identify ends so; what was to come next: piezo install "), "{printed}");
+    assert!(printed.contains("\nFAILED: identify ends so, and this was not begun: piezo install "), "{printed}");
     // What it has left is in use: it proves again, on another draw, and is told from a table that is not good enough.
     let again = ["--minutes", "0.14", "--up-to", "20Hz", "--seed", "9", "--json", "--board", board, "--port", port];
     let proof = out.join("again");

@@ -22,8 +22,8 @@ pub(crate) const STAYS_S: f64 = 0.25;
 /// What the amplifier puts out may be so far from what it was driven to, of the drive's range, by a calibration to
 /// begin with,
 const FAR: f64 = 0.1;
-/// and by one that was measured.
-const FAR_MEASURED: f64 = 0.05;
+/// and by the file of a board that was calibrated.
+const FAR_CALIBRATED: f64 = 0.05;
 
 /// The board, and where it drives to.
 pub struct Driven {
@@ -31,8 +31,8 @@ pub struct Driven {
     drive: DriveCalibration,
     volts: f32,
     held: Option<Held>,
-    /// The calibration by which it drives was measured.
-    measured: bool,
+    /// The board's file was calibrated.
+    calibrated: bool,
 }
 
 impl Driven {
@@ -44,13 +44,13 @@ impl Driven {
         let table = table::running(client)?;
         let mut drive = table.drive.ok_or(BenchError::NotDriving)?;
         drive.limits = allowed(volts, drive.limits, facts)?;
-        let measured = facts.board_uid.is_some() && facts.drive_span.is_some();
-        Ok(Self { table, drive, volts: drive.limits.rest_v, held: None, measured })
+        let calibrated = facts.board_uid.is_some() && facts.drive_span.is_some();
+        Ok(Self { table, drive, volts: drive.limits.rest_v, held: None, calibrated })
     }
 
     /// How far what the amplifier puts out may be from what it was driven to, V.
     pub(crate) fn far_v(&self) -> f64 {
-        (if self.measured { FAR_MEASURED } else { FAR }) * f64::from(self.drive.limits.range_v.span())
+        (if self.calibrated { FAR_CALIBRATED } else { FAR }) * f64::from(self.drive.limits.range_v.span())
     }
 
     /// Goes to a voltage, V, and waits until the amplifier has come there.

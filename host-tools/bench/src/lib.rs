@@ -49,7 +49,7 @@ pub use loan::{FORMER, rest};
 pub use other_range::OtherRange;
 pub use output::{Jump, Output};
 pub use prove::{Proof, Proven, foresee, prove};
-pub use session::{Session, Unfinished, open_session, session, unoccupied};
+pub use session::{Session, Unfinished, of_session, open_session, session, unoccupied};
 pub use set_out::set_out;
 pub use taught::taught;
 pub use train::{Ended, Trained, Training, Written, train};

@@ -172,6 +172,11 @@ pub fn session(folder: &Path) -> Result<Session, BenchError> {
     Ok(Session { complete, seed, tick_us, logs, held_out, board, recorded, unfinished })
 }
 
+/// Whether logs are a training session's, whose volts are by what was known of the board.
+pub fn of_session(logs: &[PathBuf]) -> bool {
+    !logs.is_empty() && logs.iter().all(|log| log.with_file_name(SESSION).is_file())
+}
+
 /// Where `logs` is one folder that a training session wrote, puts the session's logs in its place, those to prove with
 /// into `held_out`, unless something else is held out, and the board's tick into `tick_us`, µs, unless one is stated.
 /// Anything else stays what it is. Returns what is missing of the session.
@@ -202,9 +207,8 @@ pub fn open_session(
     if let (Some(before), Some(board)) = (&described.board, board) {
         let now = BoardFacts::read(board)?;
         let spans = [("adc_span", before.adc_span, now.adc_span), ("sensor_span", before.sensor_span, now.sensor_span)];
-        if let Some((what, Some(then), Some(now))) =
-            spans.into_iter().find(|(_, then, now)| then != now && now.is_some())
-        {
+        let mut known = spans.into_iter().filter_map(|(what, then, now)| Some((what, then?, now?)));
+        if let Some((what, then, now)) = known.find(|(_, then, now)| then != now) {
             let (session, board) = (folder.join(SESSION), board.to_owned());
             return Err(BenchError::Recalibrated { session, board, what, then, now });
         }

@@ -112,7 +112,8 @@ impl Writing {
             client.set_mode(Mode::Pause)?;
             (pause, written) = (true, write(client, consent));
         }
-        let resumed = match pause && (written.is_err() || !self.reset) {
+        // A device that paused before, and was written, goes on as well.
+        let resumed = match (pause && written.is_err()) || (pauses && written.is_ok() && !self.reset) {
             true => client.set_mode(Mode::Estimate),
             false => Ok(()),
         };

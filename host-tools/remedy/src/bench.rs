@@ -53,7 +53,7 @@ pub fn complaint(complaint: &Complaint) -> String {
 
 /// What a drive by a calibration that is wrong ends with, while that is what is to be calibrated.
 const NEAR: &str = "--drive-to needs spans that are right to some 5 % already: else calibrate the ADC by hand first, without --drive-to, correct \
-                    drive_span in board.toml, and install the table anew";
+                    drive_span in board.toml, and install the table anew (--rewired)";
 
 /// A calibration reads as far from the range's ends, of it.
 const INNER: f32 = 0.1;
@@ -93,7 +93,7 @@ fn session(error: &BenchError) -> String {
         ),
         BenchError::OtherConverters { .. } => format!("{error}: `piezo install` it with this --board"),
         BenchError::Misfit(misfit @ Misfit::Cycles { drives, .. }) => format!("{misfit}: {}", too_long(*drives)),
-        BenchError::Misfit(_) => format!("{error}: correct adc_full_scale and dac_full_scale in board.toml"),
+        BenchError::Misfit(_) => format!("{error}: state the device's adc_full_scale and dac_full_scale in board.toml"),
         BenchError::Sensor { complaint: of, log: None } => complaint(of),
         BenchError::Sensor { complaint: of, log: Some(log) } => {
             format!("{}; what was measured before is in {}", complaint(of), log.display())
@@ -155,7 +155,10 @@ fn session(error: &BenchError) -> String {
             }
         }
         BenchError::Recalibrated { .. } => {
-            format!("{error}: train again, or, where that was the right one, put it back into the board's file")
+            format!(
+                "{error}: train again, or, where that was the right one, put it back into the board's file (of a sensor that is another one \
+                 now, take the line out)"
+            )
         }
         BenchError::NotTaken => format!("{error}: try again"),
         BenchError::NotAtRest { .. } => {

@@ -6,7 +6,7 @@ use findings::Micrometres;
 use identification::{Doubt, Outcome};
 use std::path::Path;
 
-/// How good it is, in plain words. That a board's file says what its codes stand for leaves no doubt of the volts.
+/// How good it is, in plain words. Of logs that a board recorded the volts are known.
 pub fn verdict(outcome: &Outcome, by_board: bool) -> Vec<String> {
     let (candidate, learnt) = (outcome.judged(), &outcome.learnt);
     let mut sentences =

@@ -158,7 +158,7 @@ fn identify(arguments: &mut Identify, folder: &Held, mut run: Option<&mut Run>) 
     let training: Vec<_> = outcome.learnt_from().training().collect();
     let determination = identifiability::determination(&outcome.learnt.candidate.table, &training);
     let determined = remedy::determination(determination.as_ref());
-    let mut verdict = remedy::verdict(&outcome, arguments.calibration.board.is_some());
+    let mut verdict = remedy::verdict(&outcome, bench::of_session(&arguments.fitting.logs));
     verdict.extend(remedy::left_out(&job, &outcome.learnt.context.recipe, outcome.learnt_from()));
     verdict.push(remedy::interval(interval.as_ref(), arguments.devices));
     let on_the_board = remedy::on_the_board(&outcome);

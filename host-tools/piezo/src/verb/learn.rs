@@ -118,7 +118,7 @@ pub fn run(arguments: &Learn) -> Result<bool> {
         let what = words[0].clone();
         if !part(words)? {
             if let Some(left) = next.peek().filter(|_| !interrupt.wanted()) {
-                out(&format!("FAILED: {what} ends so; what was to come next: piezo {}", typed(left)));
+                out(&format!("FAILED: {what} ends so, and this was not begun: piezo {}", typed(left)));
             }
             return Ok(false);
         }

@@ -77,11 +77,11 @@ pub fn run(arguments: &Pil) -> Result<bool> {
     let compared = compare_all(&mut client, &running, &logs, &codes, &interrupt);
     // Whatever happened, the device estimates again, and no longer streams.
     let restored = client.set_mode(Mode::Estimate);
+    zeroed.then(|| eprintln!("piezo: careful: {}", remedy::zero_lost()));
     let comparisons = compared?;
     restored?;
     let health = client.health()?;
     note_damage(&client);
-    zeroed.then(|| eprintln!("piezo: careful: {}", remedy::zero_lost()));
     let identical = comparisons.iter().all(Comparison::bit_exact);
     if arguments.json {
         out(&serde_json::to_string_pretty(&to_json(&logs, &comparisons, &health)?)?);
