@@ -1,8 +1,10 @@
 //! The mean estimate over one full cycle of the voltage, from the device's samples as they come: what a sensor's mean,
 //! or the middle of two stops, is compared with.
 //!
-//! A full cycle is what lies between the first and the third reversal of the voltage, a retreat by a quarter of its
-//! span so far ([`first_cycle`]). One that spans less than [`LEAST_SPAN`] is noise or ripple, and none.
+//! A full cycle has three reversals of the voltage, each a retreat by a quarter of its span so far ([`first_cycle`]).
+//! The mean is taken from the voltage's middle between the first and the second to where it comes there again behind
+//! the third: a reversal's own place is what the noise makes of a flat top, and there the displacement is farthest from
+//! its mean. A cycle that spans less than [`LEAST_SPAN`] is noise or ripple, and none.
 
 use super::client::Client;
 use super::error::LinkError;
@@ -159,7 +161,7 @@ impl Heard {
 
     /// The first full cycle, of samples so many ticks apart.
     fn cycle(&self, least_span_v: f64, every: usize) -> Option<Cycle> {
-        let cycle = first_cycle(&self.voltage, least_span_v)?;
+        let cycle = between_middles(&self.voltage, first_cycle(&self.voltage, least_span_v)?)?;
         let (voltage, estimated) = (&self.voltage[cycle.clone()], &self.estimated[cycle.clone()]);
         let sum: f64 = estimated.iter().copied().map(f64::from).sum();
         Some(Cycle {
@@ -169,6 +171,18 @@ impl Heard {
             status: self.status[cycle].iter().fold(Status::empty(), |all, status| all | *status),
         })
     }
+}
+
+/// The samples from the middle between a cycle's first two reversals to the same one behind its third; `None` as long
+/// as the voltage has not come there. Where the outer two are not alike, it is the middle to the nearer of them.
+fn between_middles(voltage: &[f64], reversals: std::ops::Range<usize>) -> Option<std::ops::Range<usize>> {
+    let (first, third) = (*voltage.get(reversals.start)?, *voltage.get(reversals.end)?);
+    let all = Range::of_values(voltage[reversals.clone()].iter().copied());
+    let falls = first > all.middle();
+    let middle = 0.5 * if falls { all.min + first.min(third) } else { all.max + first.max(third) };
+    let beyond = |&at: &usize| (voltage[at] > middle) != falls;
+    let from = (reversals.start..reversals.end).find(beyond)?;
+    Some(from..(reversals.end..voltage.len()).find(beyond)?)
 }
 
 fn find(
@@ -221,88 +235,4 @@ fn find(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use emulator::faults::{lose_samples_at, samples, silent_from};
-    use emulator::{Emulator, Fault, FaultyLine, Plant, TABLE, triangle};
-
-    /// Looks for a cycle for four seconds of the device.
-    fn found(plant: impl Plant, fault: impl Fault) -> Result<Cycle, CycleError> {
-        let device = Emulator::new().plant(plant).speed(8.0).start().unwrap();
-        let line = FaultyLine::to(device.address(), fault).unwrap();
-        let (mut client, _) = Client::connect(&line.address().into()).unwrap();
-        let request = CycleRequest::new(&TABLE.admit().unwrap(), 4.0);
-        let found = over_cycle(&mut client, &request, &Interrupt::default(), &mut |_| {});
-        assert_eq!(client.samples(Duration::from_millis(100)).unwrap(), None, "the stream was stopped");
-        found
-    }
-
-    /// Lets `edit` change every sample after the first thousand.
-    fn after_a_thousand(edit: impl Fn(&mut Sample) + Send + 'static) -> impl Fault {
-        let mut seen = 0;
-        samples(move |batch| {
-            if seen > 1000 {
-                batch.samples.iter_mut().for_each(&edit);
-            }
-            seen += batch.samples.len();
-            true
-        })
-    }
-
-    fn sound(_: emulator::Direction, _: &mut Vec<u8>) {}
-
-    #[test]
-    fn the_mean_over_a_cycle_is_0_once_it_is_taken_off() {
-        let device = Emulator::new().speed(8.0).start().unwrap();
-        let (mut client, _) = Client::connect(&device.address().into()).unwrap();
-        let request = CycleRequest::new(&TABLE.admit().unwrap(), 4.0);
-        let over_cycle = |client: &mut Client| {
-            let cycle = over_cycle(client, &request, &Interrupt::default(), &mut |_| {}).unwrap();
-            assert_eq!(cycle.ticks, 2_000, "the triangle's period");
-            cycle
-        };
-        // The first may have the start in it.
-        over_cycle(&mut client);
-        let cycle = over_cycle(&mut client);
-        assert_eq!(cycle.status, Status::empty());
-        assert!(cycle.mean_um.abs() > 0.1 && cycle.voltage_v.span() > 1.0, "{cycle:?}");
-        client.shift_bias(-cycle.mean_um as f32).unwrap();
-        let mean_um = over_cycle(&mut client).mean_um;
-        assert!(mean_um.abs() < 0.01, "{mean_um}");
-    }
-
-    #[test]
-    fn noise_at_rest_is_no_cycle() {
-        let mut noise = 0;
-        let rest = move |_| {
-            noise = 1 - noise;
-            AdcCode(30_000 + 20 * noise).into()
-        };
-        let error = found(rest, sound).unwrap_err();
-        assert!(matches!(error, CycleError::NoCycle { span_v, .. } if span_v > 0.0), "{error}");
-    }
-
-    #[test]
-    fn what_is_not_whole_gives_no_mean() {
-        let error = found(triangle(), lose_samples_at(1_000)).unwrap_err();
-        assert!(matches!(error, CycleError::SamplesLost(lost) if lost > 0), "{error}");
-        let error = found(triangle(), silent_from(1_000)).unwrap_err();
-        assert!(matches!(error, CycleError::Silent), "{error}");
-    }
-
-    #[test]
-    fn what_is_not_sound_gives_no_mean() {
-        let error = found(triangle(), after_a_thousand(|sample| sample.faults |= Faults::ADC_STUCK)).unwrap_err();
-        assert!(matches!(error, CycleError::Faulty(Faults::ADC_STUCK)), "{error}");
-        for bit in WORTHLESS {
-            let said = after_a_thousand(move |sample| sample.status |= bit | Status::DAC_SATURATED);
-            let error = found(triangle(), said).unwrap_err();
-            assert!(matches!(error, CycleError::Worthless(only) if only == bit), "{bit:?}: {error}");
-        }
-        let late = after_a_thousand(|sample| {
-            sample.faults |= Faults::MISSED_DEADLINE | Faults::SAFE_OUTPUT;
-            sample.status |= Status::NOT_SETTLED;
-        });
-        assert_eq!(found(triangle(), late).unwrap().status, Status::NOT_SETTLED, "and is said");
-    }
-}
+mod tests;

@@ -22,7 +22,7 @@ pub struct Zero {
     /// mean is called: the mean of a sensor beside it, or the middle of two stops.
     #[arg(long, value_name = "UM", value_parser = finite, default_value_t = 0.0, allow_negative_numbers = true)]
     pub at: f64,
-    /// Tell the mean over the voltage's first full cycle, from its first to its third reversal, instead of the
+    /// Tell the mean over the voltage's first full cycle, three reversals and what comes between, instead of the
     /// displacement of now. The voltage must move meanwhile.
     #[arg(long)]
     pub over_cycle: bool,
