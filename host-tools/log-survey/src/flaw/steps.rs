@@ -13,7 +13,7 @@ pub(crate) const ROWS: usize = 8;
 /// A step is over within so many rows on either side of where it is steepest.
 pub(crate) const SPREAD: usize = 2;
 /// It is this part of the stroke,
-const LEAST: f64 = 0.02;
+const LEAST: f64 = 0.03;
 /// so many deviations of the noise,
 const DEVIATIONS: f64 = 8.0;
 /// so many times the least step between two rows, for a coarse sensor does nothing but step,
@@ -22,8 +22,10 @@ const RESOLUTIONS: f64 = 4.0;
 const FURTHER: f64 = 4.0;
 /// A displacement is behind its voltage by so many s at most.
 const LATE_S: f64 = 0.05;
-/// So many steps are the actuator's, as of one that sticks and slips.
-const MANY: usize = 16;
+/// So many steps are the actuator's, as of one that sticks and slips, or of a simulated one of few relays.
+const MANY: usize = 5;
+/// Those count that are this part of it.
+const ALIKE: f64 = 0.5;
 
 /// The row before each step of the displacement, and how far it goes, µm, up or down. The rows are one a `period`, s;
 /// voltage and displacement have these ranges.
@@ -36,27 +38,28 @@ pub fn steps(voltage: &[f64], displacement: &[f64], volts: f64, stroke: f64, per
         let end = end.min(gaps.len());
         gaps[from.min(end)..end].iter().map(|gap| gap.abs()).fold(0.0, f64::max)
     };
-    let is_step = |&(at, gap): &(usize, f64)| {
-        let (gap, early) = (gap.abs(), |rows: usize| at.saturating_sub(rows));
+    let early = |at: usize, rows: usize| at.saturating_sub(rows);
+    let unexplained = |&(at, gap): &(usize, f64)| {
+        let gap = gap.abs();
         // Of two that are alike it is the first.
         let steepest =
-            gap > largest(&measured, early(2 * ROWS), at) && gap >= largest(&measured, at + 1, at + 2 * ROWS + 1);
-        let near = || {
-            let before = largest(&measured, early(4 * ROWS), early(2 * ROWS));
-            before.max(largest(&measured, at + 2 * ROWS + 1, at + 4 * ROWS + 1))
-        };
-        let explained = || {
-            let leap_v = largest(&commanded, early(late), at + 2 * ROWS);
-            leap_v > 0.0 && gap * volts <= EXPLAINED * stroke * leap_v
-        };
-        steepest && gap > FURTHER * near() && !explained()
+            gap > largest(&measured, early(at, 2 * ROWS), at) && gap >= largest(&measured, at + 1, at + 2 * ROWS + 1);
+        steepest && {
+            let leap_v = largest(&commanded, early(at, late), at + 2 * ROWS);
+            leap_v == 0.0 || gap * volts > EXPLAINED * stroke * leap_v
+        }
     };
     // What a log begins with may follow a voltage before it.
     let seen = measured.iter().copied().enumerate().take(measured.len().saturating_sub(2 * ROWS)).skip(late);
-    let far = seen.filter(|(_, gap)| gap.abs() > least);
-    let step = |(at, _): (usize, f64)| (at + ROWS - 1, gap(&displacement[at - SPREAD..at + 2 * ROWS + SPREAD], SPREAD));
-    let found: Vec<(usize, f64)> = far.filter(is_step).map(step).take(MANY).collect();
-    if found.len() < MANY { found } else { Vec::new() }
+    let leaps: Vec<(usize, f64)> = seen.filter(|(_, gap)| gap.abs() > ALIKE * least).filter(unexplained).collect();
+    let is_step = |&&(at, gap): &&(usize, f64)| {
+        let before = largest(&measured, early(at, 4 * ROWS), early(at, 2 * ROWS));
+        let behind = largest(&measured, at + 2 * ROWS + 1, at + 4 * ROWS + 1);
+        let alike = leaps.iter().filter(|(_, other)| other.abs() > ALIKE * gap.abs()).count();
+        gap.abs() > least.max(FURTHER * before.max(behind)) && alike < MANY
+    };
+    let step = |&(at, _): &_| (at + ROWS - 1, gap(&displacement[at - SPREAD..at + 2 * ROWS + SPREAD], SPREAD));
+    leaps.iter().filter(is_step).map(step).collect()
 }
 
 /// The gap between any two rows that have as many on either side; the first is between rows `ROWS - 1` and `ROWS`.
