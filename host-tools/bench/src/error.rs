@@ -161,7 +161,7 @@ pub enum BenchError {
     },
     /// A session's logs were recorded by another calibration of the board than its file has now.
     #[error(
-        "{}: its logs were recorded with {what} = [{}, {}], and {} has [{}, {}] now: by the one they are not what the other says",
+        "{}: its logs were recorded with {what} = [{}, {}], and {} has [{}, {}] now: a table for this board needs logs by what it has",
         session.display(), then.0, then.1, board.display(), now.0, now.1
     )]
     Recalibrated {

@@ -56,8 +56,7 @@ pub enum Doubt {
         /// Simulation MAE without offset on what was held out, µm.
         held_out_um: f64,
     },
-    /// What was learnt once more from the whole logs describes them worse than the judged model did either part of
-    /// them.
+    /// What was learnt once more from the whole logs describes them worse than the judged model did each part.
     LearntWorse {
         /// Simulation MAE without offset on the whole logs, µm.
         whole_um: f64,

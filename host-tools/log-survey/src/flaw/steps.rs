@@ -22,9 +22,9 @@ const RESOLUTIONS: f64 = 4.0;
 const FURTHER: f64 = 4.0;
 /// A displacement is behind its voltage by so many s at most.
 const LATE_S: f64 = 0.05;
-/// So many steps are the actuator's, as of one that sticks and slips, or of a simulated one of few relays.
+/// So many leaps that are alike are the actuator's, as of one that sticks and slips, or a simulated one of few relays.
 const MANY: usize = 5;
-/// Those count that are this part of it.
+/// Those are like a leap that are this part of it or more.
 const ALIKE: f64 = 0.5;
 
 /// The row before each step of the displacement, and how far it goes, µm, up or down. The rows are one a `period`, s;
@@ -52,10 +52,12 @@ pub fn steps(voltage: &[f64], displacement: &[f64], volts: f64, stroke: f64, per
     // What a log begins with may follow a voltage before it.
     let seen = measured.iter().copied().enumerate().take(measured.len().saturating_sub(2 * ROWS)).skip(late);
     let leaps: Vec<(usize, f64)> = seen.filter(|(_, gap)| gap.abs() > ALIKE * least).filter(unexplained).collect();
+    let mut sizes: Vec<f64> = leaps.iter().map(|(_, gap)| gap.abs()).collect();
+    sizes.sort_unstable_by(f64::total_cmp);
     let is_step = |&&(at, gap): &&(usize, f64)| {
         let before = largest(&measured, early(at, 4 * ROWS), early(at, 2 * ROWS));
         let behind = largest(&measured, at + 2 * ROWS + 1, at + 4 * ROWS + 1);
-        let alike = leaps.iter().filter(|(_, other)| other.abs() > ALIKE * gap.abs()).count();
+        let alike = sizes.len() - sizes.partition_point(|other| *other <= ALIKE * gap.abs());
         gap.abs() > least.max(FURTHER * before.max(behind)) && alike < MANY
     };
     let step = |&(at, _): &_| (at + ROWS - 1, gap(&displacement[at - SPREAD..at + 2 * ROWS + SPREAD], SPREAD));

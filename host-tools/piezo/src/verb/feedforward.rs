@@ -27,8 +27,8 @@ pub struct Feedforward {
     /// The voltages, as a log with the displacement that the model gives for them.
     #[arg(long)]
     pub out: PathBuf,
-    /// Voltages that the amplifier may be driven to, V. Without it the table's drive's, else what the training went
-    /// over.
+    /// Voltages that the amplifier may be driven to, V. Without it the table's drive's, else those that the
+    /// training went over.
     #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "V:V")]
     pub range: Option<Span>,
     /// Fastest change of the voltage, V/s. Without it the table's drive's.
