@@ -60,11 +60,8 @@ impl Basis {
         // A fourth sum of nothing makes each interval's a vector.
         let mut moments = [[0.0; 4]; KNOTS - 1];
         for (voltage, weight) in weighed {
-            let at = (voltage - self.first) * self.knots_per_volt;
-            let inside = at.clamp(0.0, (KNOTS - 1) as f64);
-            let interval = (inside as usize).min(KNOTS - 2);
-            let (part, beyond) = (inside - interval as f64, at - inside);
-            let powers = [1.0, part + beyond, part * (0.5 * part + beyond), 0.0];
+            let (interval, [first, second]) = self.within(voltage);
+            let powers = [1.0, first, second, 0.0];
             let sums = &mut moments[interval];
             *sums = std::array::from_fn(|power| sums[power] + weight * powers[power]);
         }
@@ -75,6 +72,24 @@ impl Basis {
             }
         }
         sum
+    }
+
+    /// The functions at a voltage (V): to the bit their [`sum`](Self::sum) there, of the weight 1.
+    #[inline(always)]
+    pub fn at(&self, voltage: f64) -> Values {
+        let (interval, [first, second]) = self.within(voltage);
+        let Interval { value, slope, rise } = &self.intervals[interval];
+        std::array::from_fn(|j| value[j] + first * slope[j] + second * rise[j])
+    }
+
+    /// The interval that a voltage (V) is in or beyond, and p and p²/2 there.
+    #[inline(always)]
+    fn within(&self, voltage: f64) -> (usize, [f64; 2]) {
+        let at = (voltage - self.first) * self.knots_per_volt;
+        let inside = at.clamp(0.0, (KNOTS - 1) as f64);
+        let interval = (inside as usize).min(KNOTS - 2);
+        let (part, beyond) = (inside - interval as f64, at - inside);
+        (interval, [part + beyond, part * (0.5 * part + beyond)])
     }
 
     /// Slopes at the knots (µm/V) of the functions with these coefficients.
@@ -105,5 +120,8 @@ mod tests {
             assert!((found - slope).abs() < 1e-4, "{voltage} V: {found} instead of {slope} µm/V");
         }
         assert_eq!(at(-20.0), 0.0);
+        for voltage in [-31.0, -20.0, 3.7, 60.0, 77.0] {
+            assert_eq!(basis.at(voltage), basis.sum([(voltage, 1.0)].into_iter()), "{voltage} V");
+        }
     }
 }

@@ -11,9 +11,6 @@ use estimator_core::{Range, Resonance, ResonanceState};
 use pulp::{Arch, NullaryFnOnce};
 use recordings::session::Session;
 
-/// Columns: those of the reversible part, then those of the hysteretic part with its creep.
-pub const COLUMNS: usize = 2 * FUNCTIONS;
-
 /// What is given before the columns are.
 pub struct Stages<'a> {
     /// The functions that the columns belong to.
@@ -48,16 +45,16 @@ struct Dynamics {
     resonance: Option<Resonance<f64>>,
 }
 
-/// What the walk remembers.
-struct Memory {
+/// What the walk remembers of so many parts, of which the first, the reversible one, neither drives creep nor creeps.
+struct Memory<const N: usize> {
     input: RampLagged<f64>,
     /// Half-width, weight and memory of each play.
     plays: Vec<(f64, f64, f64)>,
     /// What drove the creep a step ago.
-    driven: Values,
+    driven: [Values; N],
     /// Output of each creep element.
-    creep: Vec<Values>,
-    swings: Option<[ResonanceState<f64>; COLUMNS]>,
+    creep: Vec<[Values; N]>,
+    swings: Option<[[ResonanceState<f64>; FUNCTIONS]; N]>,
     /// Of the step before, s.
     period: f64,
 }
@@ -66,13 +63,26 @@ impl Stages<'_> {
     /// Hands over the index of each reading on a session's course, its columns (µm for coefficients of 1) and the input
     /// behind lag and delay (V), from the session's first sample on. Between two steps the voltage of a log slower than
     /// the tick runs straight, as every stage takes it to.
-    pub fn walk(&self, session: &Session, course: &Course, each: impl FnMut(usize, &[f64; COLUMNS], f64)) {
+    ///
+    /// The columns are those of `N` parts: the reversible one, then `N` − 1 hysteretic ones with their creep, each of
+    /// as many of the plays, in their order. Creep and resonance are linear, so that the parts add up to the model's.
+    pub fn walk<const N: usize>(
+        &self,
+        session: &Session,
+        course: &Course,
+        each: impl FnMut(usize, &[[f64; FUNCTIONS]; N], f64),
+    ) {
         // Wider instructions where the machine has them; each column's are the same.
         Arch::new().dispatch(Walk { stages: self, session, course, each });
     }
 
     #[inline(always)]
-    fn walk_each(&self, session: &Session, course: &Course, mut each: impl FnMut(usize, &[f64; COLUMNS], f64)) {
+    fn walk_each<const N: usize>(
+        &self,
+        session: &Session,
+        course: &Course,
+        mut each: impl FnMut(usize, &[Values; N], f64),
+    ) {
         let Some(&first) = session.voltage.first() else { return };
         let rest = session.rested_v.unwrap_or(first);
         let mut memory = self.rest(rest, session.tick_s);
@@ -116,20 +126,29 @@ impl Stages<'_> {
         }
     }
 
-    fn rest(&self, voltage: f64, period: f64) -> Memory {
+    fn rest<const N: usize>(&self, voltage: f64, period: f64) -> Memory<N> {
         let plays: Vec<_> = self.plays.iter().map(|&(r, weight)| (r, weight, self.rested(voltage, r))).collect();
         let driven = self.hysteretic(&plays);
         let creep = vec![driven; self.creep.len()];
         Memory { input: RampLagged::at(voltage), plays, driven, creep, swings: None, period }
     }
 
+    /// Of each hysteretic part, behind the reversible one's place.
     #[inline(always)]
-    fn hysteretic(&self, plays: &[(f64, f64, f64)]) -> Values {
-        self.basis.sum(plays.iter().map(|&(_, weight, memory)| (memory, weight)))
+    fn hysteretic<const N: usize>(&self, plays: &[(f64, f64, f64)]) -> [Values; N] {
+        let mut parts = [[0.0; FUNCTIONS]; N];
+        let of_a_part = plays.len().div_ceil(N - 1).max(1);
+        for (part, plays) in parts[1..].iter_mut().zip(plays.chunks(of_a_part)) {
+            *part = match plays {
+                &[(_, weight, memory)] => self.basis.at(memory).map(|function| weight * function),
+                _ => self.basis.sum(plays.iter().map(|&(_, weight, memory)| (memory, weight))),
+            };
+        }
+        parts
     }
 
     #[inline(always)]
-    fn step(&self, memory: &mut Memory, dynamics: &Dynamics, target: f64) -> [f64; COLUMNS] {
+    fn step<const N: usize>(&self, memory: &mut Memory<N>, dynamics: &Dynamics, target: f64) -> [Values; N] {
         let before = memory.input.value();
         let mut u = dynamics.lag.step(&mut memory.input, target);
         if (u - before).abs() > dynamics.most {
@@ -139,25 +158,28 @@ impl Stages<'_> {
         for (half_width, _, at) in &mut memory.plays {
             *at = play(*at, u, *half_width);
         }
-        let driving = self.hysteretic(&memory.plays);
-        let mut crept = driving;
-        for (&(part, beta, gain), crept_to) in dynamics.creep.iter().zip(&mut memory.creep) {
-            *crept_to = std::array::from_fn(|j| {
-                let target = driving[j] + beta * (driving[j] - memory.driven[j]);
-                crept_to[j] + (target - crept_to[j]) * part
-            });
-            crept = std::array::from_fn(|j| crept[j] + gain * crept_to[j]);
+        let driving: [Values; N] = self.hysteretic(&memory.plays);
+        let mut columns = driving;
+        for part in 1..N {
+            let (driving, driven, crept) = (driving[part], memory.driven[part], &mut columns[part]);
+            for (&(share, beta, gain), element) in dynamics.creep.iter().zip(&mut memory.creep) {
+                let crept_to = &mut element[part];
+                *crept_to = std::array::from_fn(|j| {
+                    let target = driving[j] + beta * (driving[j] - driven[j]);
+                    crept_to[j] + (target - crept_to[j]) * share
+                });
+                *crept = std::array::from_fn(|j| crept[j] + gain * crept_to[j]);
+            }
         }
         memory.driven = driving;
-        let reversible = self.basis.sum(std::iter::once((u, 1.0)));
-        let mut columns = std::array::from_fn(|j| if j < FUNCTIONS { reversible[j] } else { crept[j - FUNCTIONS] });
+        columns[0] = self.basis.at(u);
         if let Some(resonance) = &dynamics.resonance {
-            let swings = memory.swings.get_or_insert_with(|| columns.map(ResonanceState::rest));
+            let swings = memory.swings.get_or_insert_with(|| columns.map(|part| part.map(ResonanceState::rest)));
             if memory.period != dynamics.period {
                 let times = dynamics.period / memory.period;
-                *swings = swings.map(|swing| swing.of_longer_ticks(times));
+                *swings = swings.map(|part| part.map(|swing| swing.of_longer_ticks(times)));
             }
-            for (column, swing) in columns.iter_mut().zip(swings) {
+            for (column, swing) in columns.as_flattened_mut().iter_mut().zip(swings.as_flattened_mut()) {
                 *column = resonance.step(swing, *column);
             }
         }
@@ -201,14 +223,14 @@ impl Paces<'_> {
 }
 
 /// A walk that is about to begin.
-struct Walk<'a, E> {
+struct Walk<'a, E, const N: usize> {
     stages: &'a Stages<'a>,
     session: &'a Session,
     course: &'a Course,
     each: E,
 }
 
-impl<E: FnMut(usize, &[f64; COLUMNS], f64)> NullaryFnOnce for Walk<'_, E> {
+impl<E: FnMut(usize, &[Values; N], f64), const N: usize> NullaryFnOnce for Walk<'_, E, N> {
     type Output = ();
 
     #[inline(always)]

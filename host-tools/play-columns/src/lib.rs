@@ -11,7 +11,7 @@ mod solution;
 
 pub use basis::{Basis, FUNCTIONS, KNOTS};
 pub use blocks::{Balanced, Blocks, Rows};
-pub use columns::{COLUMNS, Stages};
+pub use columns::Stages;
 pub use course::Course;
 pub use priors::Prior;
 pub use solution::{Solution, solve};

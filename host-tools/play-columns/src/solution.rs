@@ -2,7 +2,7 @@
 
 use crate::basis::FUNCTIONS;
 use crate::blocks::{Balanced, Blocks};
-use crate::columns::{COLUMNS, Stages};
+use crate::columns::Stages;
 use crate::course::Course;
 use recordings::session::Session;
 
@@ -34,12 +34,12 @@ impl Solution {
 /// The coefficients that fit sessions best, each on its course; their stroke is `stroke` µm. `floor` is the least slope
 /// of the reversible part, µm/V; `None` where they have none.
 pub fn solve(sessions: &[(&Session, &Course)], stages: &Stages<'_>, stroke: f64, floor: f64) -> Option<Solution> {
-    let mut blocks = Blocks::new(COLUMNS / FUNCTIONS, 0, sessions, stroke);
+    let mut blocks = Blocks::new(2, 0, sessions, stroke);
     for (number, (session, course)) in sessions.iter().enumerate() {
         let mut rows = blocks.of(number);
-        stages.walk(session, course, |index, values, input| {
+        stages.walk(session, course, |index, columns: &[_; 2], input| {
             let target = session.displacement[index] - floor * (input - stages.span.min);
-            rows.add(session.instants[index], index < course.settled, values, target);
+            rows.add(session.instants[index], index < course.settled, columns.as_flattened(), target);
         });
         rows.finish();
     }

@@ -13,7 +13,7 @@ use super::candidate::{Family, Values};
 use crate::problem::Problem;
 use crate::search::Quadratic;
 use nalgebra::{DMatrix, DVector};
-use play_columns::{Blocks, COLUMNS, Course, FUNCTIONS};
+use play_columns::{Blocks, Course, FUNCTIONS};
 use rayon::prelude::*;
 use recordings::session::Session;
 
@@ -22,7 +22,8 @@ const STEP: f64 = 1e-3;
 
 /// The readings of a session as one candidate has them.
 struct Readings {
-    columns: Vec<[f64; COLUMNS]>,
+    /// Of the reversible part and of the hysteretic one.
+    columns: Vec<[[f64; FUNCTIONS]; 2]>,
     /// What the columns are to make, µm.
     targets: Vec<f64>,
 }
@@ -30,8 +31,8 @@ struct Readings {
 impl Readings {
     /// What coefficients leave, µm.
     fn errors(&self, coefficients: &[f64]) -> Vec<f64> {
-        let sum = |columns: &[f64; COLUMNS]| columns.iter().zip(coefficients).map(|(a, x)| a * x).sum::<f64>();
-        self.columns.iter().zip(&self.targets).map(|(columns, target)| target - sum(columns)).collect()
+        let sum = |columns: &[f64]| columns.iter().zip(coefficients).map(|(a, x)| a * x).sum::<f64>();
+        self.columns.iter().zip(&self.targets).map(|(columns, target)| target - sum(columns.as_flattened())).collect()
     }
 }
 
@@ -77,13 +78,13 @@ fn read(family: &Family, values: &Values, sessions: &[(&Session, &Course)]) -> V
 
 /// The least squares of the readings' columns and, behind those, of changes: one list a session for each.
 fn blocks(family: &Family, sessions: &[(&Session, &Course)], read: &[Readings], changes: &[Vec<Vec<f64>>]) -> Blocks {
-    let mut blocks = Blocks::new(COLUMNS / FUNCTIONS, changes.len(), sessions, family.stroke);
+    let mut blocks = Blocks::new(2, changes.len(), sessions, family.stroke);
     let mut row = Vec::new();
     for (number, ((session, course), read)) in sessions.iter().zip(read).enumerate() {
         let mut rows = blocks.of(number);
         for (reading, &index) in course.readings.iter().enumerate() {
             row.clear();
-            row.extend_from_slice(&read.columns[reading]);
+            row.extend_from_slice(read.columns[reading].as_flattened());
             row.extend(changes.iter().map(|change| change[number][reading]));
             rows.add(session.instants[index], index < course.settled, &row, read.targets[reading]);
         }

@@ -12,7 +12,7 @@
 //! as much as before; where it has one, 4 to 20 % less on the five that were tried.
 
 use super::candidate::{Family, PLAYS, Values};
-use play_columns::{Balanced, Blocks, Course, FUNCTIONS, Prior, Solution, Stages};
+use play_columns::{Balanced, Blocks, Course, FUNCTIONS, Prior, Solution};
 use recordings::session::Session;
 
 /// Turns between weights and functions.
@@ -22,8 +22,8 @@ const SEVERAL: f64 = 0.05;
 const ONE: f64 = 0.5;
 /// A weight may be off by at least this part of the mean.
 const LEAST: f64 = 0.3;
-/// Columns of the reversible part, then those of each play.
-const ALL: usize = FUNCTIONS + PLAYS * FUNCTIONS;
+/// The reversible part and each play.
+const PARTS: usize = 1 + PLAYS;
 
 /// What the weights are freed to.
 pub struct Freed {
@@ -35,7 +35,7 @@ pub struct Freed {
 
 /// The readings of a session, each play on its own.
 struct Readings {
-    columns: Vec<[f64; ALL]>,
+    columns: Vec<[[f64; FUNCTIONS]; PARTS]>,
     /// What the sensor read, µm.
     targets: Vec<f64>,
 }
@@ -63,21 +63,16 @@ pub fn freed(
     let (mut weights, mut solution) = (by_law, None);
     for _ in 0..TURNS {
         let Solution { envelope, .. } = solution.as_ref().unwrap_or(law);
-        let of_plays = solve(&readings, sessions, family.stroke, &priors, [1, PLAYS], |columns, play| {
-            own(columns, play).iter().zip(envelope).map(|(column, weight)| column * weight).sum()
+        let of_plays = solve(&readings, sessions, family.stroke, &priors, [1, PLAYS], |plays, play| {
+            plays[play].iter().zip(envelope).map(|(column, weight)| column * weight).sum()
         })?;
         weights.copy_from_slice(of_plays.common().get(FUNCTIONS..)?);
-        let of_functions = solve(&readings, sessions, family.stroke, &[], [2, 0], |columns, function| {
-            weights.iter().enumerate().map(|(play, weight)| weight * own(columns, play)[function]).sum()
+        let of_functions = solve(&readings, sessions, family.stroke, &[], [2, 0], |plays, function| {
+            weights.iter().zip(plays).map(|(weight, play)| weight * play[function]).sum()
         })?;
         solution = Some(Solution::of(&of_functions));
     }
     Some(Freed { weights, solution: solution? })
-}
-
-/// The columns of a play.
-fn own(columns: &[f64; ALL], play: usize) -> &[f64] {
-    &columns[FUNCTIONS * (1 + play)..][..FUNCTIONS]
 }
 
 /// The least squares of so many functions, the reversible part first, and of so many other columns; all but that part
@@ -88,15 +83,19 @@ fn solve(
     stroke: f64,
     priors: &[Prior],
     [functions, others]: [usize; 2],
-    column: impl Fn(&[f64; ALL], usize) -> f64,
+    column: impl Fn(&[[f64; FUNCTIONS]], usize) -> f64,
 ) -> Option<Balanced> {
     let mut blocks = Blocks::new(functions, others, sessions, stroke);
     let count = (functions - 1) * FUNCTIONS + others;
     for (number, (read, (session, course))) in readings.iter().zip(sessions).enumerate() {
         let mut rows = blocks.of(number);
-        for ((columns, &target), &index) in read.columns.iter().zip(&read.targets).zip(&course.readings) {
-            let made = (0..count).map(|number| column(columns, number));
-            let row: Vec<f64> = columns[..FUNCTIONS].iter().copied().chain(made).collect();
+        let mut row = Vec::new();
+        for (([reversible, plays @ ..], &target), &index) in
+            read.columns.iter().zip(&read.targets).zip(&course.readings)
+        {
+            row.clear();
+            row.extend_from_slice(reversible);
+            row.extend((0..count).map(|number| column(plays, number)));
             rows.add(session.instants[index], index < course.settled, &row, target);
         }
         rows.finish();
@@ -104,26 +103,15 @@ fn solve(
     blocks.balanced(priors)
 }
 
-/// A walk for each play alone: creep and resonance are linear, so that their columns add up to the model's.
+/// Each play a part of its own, of the weight 1.
 fn read(family: &Family, values: &Values, session: &Session, course: &Course) -> Readings {
-    let creep = family.creep(values.creep);
-    let mut readings = Readings { columns: Vec::new(), targets: Vec::new() };
-    for (number, &(half_width, _)) in family.plays.iter().enumerate() {
-        let alone = [(half_width, 1.0)];
-        let stages: Stages<'_> = family.stages(values, &alone, &creep);
-        let mut reading = 0;
-        stages.walk(session, course, |index, columns, input| {
-            let (reversible, hysteretic) = columns.split_at(FUNCTIONS);
-            if number == 0 {
-                let mut all = [0.0; ALL];
-                all[..FUNCTIONS].copy_from_slice(reversible);
-                readings.columns.push(all);
-                readings.targets.push(session.displacement[index] - family.least_slope() * (input - family.span.min));
-            }
-            readings.columns[reading][FUNCTIONS * (1 + number)..][..FUNCTIONS].copy_from_slice(hysteretic);
-            reading += 1;
-        });
-    }
+    let (plays, creep) = (family.plays.map(|(half_width, _)| (half_width, 1.0)), family.creep(values.creep));
+    let count = course.readings.len();
+    let mut readings = Readings { columns: Vec::with_capacity(count), targets: Vec::with_capacity(count) };
+    family.stages(values, &plays, &creep).walk(session, course, |index, columns, input| {
+        readings.columns.push(*columns);
+        readings.targets.push(session.displacement[index] - family.least_slope() * (input - family.span.min));
+    });
     readings
 }
 

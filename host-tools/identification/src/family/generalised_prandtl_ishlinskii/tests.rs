@@ -51,8 +51,8 @@ fn what_is_found_is_what_the_model_runs() {
     let stages = family.stages(&values, &weighed, &creep);
     let coefficients = [&solution.reversible[..], &solution.envelope].concat();
     let stroke = Range::of_values(displaced.iter().copied()).span();
-    stages.walk(sessions[0], &courses[0], |index, columns, input| {
-        let sum: f64 = columns.iter().zip(&coefficients).map(|(c, w)| c * w).sum();
+    stages.walk(sessions[0], &courses[0], |index, columns: &[_; 2], input| {
+        let sum: f64 = columns.as_flattened().iter().zip(&coefficients).map(|(c, w)| c * w).sum();
         let expected = solution.offset + sum + family.least_slope() * (input - family.span.min);
         // The model gives the displacement of the next tick.
         if let Some(found) = index.checked_sub(1).and_then(|before| displaced.get(before)) {
@@ -170,11 +170,12 @@ fn a_course_of_few_readings_gives_the_columns_of_the_whole() {
         let (plays, creep) = (family.weighed(values.law), family.creep(values.creep));
         let stages = family.stages(&values, &plays, &creep);
         let mut sums = vec![0.0; session.instants.len()];
-        stages.walk(&session, &whole, |index, columns, _| sums[index] = columns.iter().sum());
+        let sum = |columns: &[[f64; FUNCTIONS]; 2]| columns.as_flattened().iter().sum::<f64>();
+        stages.walk(&session, &whole, |index, columns, _| sums[index] = sum(columns));
         let stroke = Range::of_values(sums.iter().copied()).span();
         let mut worst = 0.0;
         stages.walk(&session, &few, |index, columns, _| {
-            worst = f64::max(worst, (columns.iter().sum::<f64>() - sums[index]).abs() / stroke);
+            worst = f64::max(worst, (sum(columns) - sums[index]).abs() / stroke);
         });
         println!("{worst} of the stroke");
         assert!((1e-9..most).contains(&worst), "{worst} of the stroke");
