@@ -238,14 +238,21 @@ fn a_session_that_was_killed_is_learnt_from_as_far_as_it_went() {
         String::from_utf8(learnt).unwrap()
     };
     let while_recorded = learnt();
-    let begun = "the session is still being recorded: 3 of 8 logs are there so far, the last one cut short";
+    let begun = "the session is still being recorded: 3 of 8 logs are there so far, 03-reversals.csv cut short";
     assert!(while_recorded.contains(begun) && while_recorded.contains("wait until it has ended"), "{while_recorded}");
     killed.kill().unwrap();
     killed.wait().unwrap();
     assert!(std::fs::read_to_string(&under_way).unwrap().ends_with('\n'), "a row is cut in the middle");
     let learnt = learnt();
-    let ended = "the session ended before its time: 3 of 8 logs are there, the last one cut short, none to prove with";
-    assert!(learnt.contains(ended) && model.join("table.toml").is_file(), "{learnt}");
+    let ended =
+        "the session ended before its time: 3 of 8 logs are there, 03-reversals.csv cut short, none to prove with";
+    assert!(learnt.contains(ended), "{learnt}");
+    // The table carries that, and the device says where a model may be that it had before.
+    let table = std::fs::read_to_string(model.join("table.toml")).unwrap();
+    assert!(table.contains(ended) && table.contains("or record another"), "{table}");
+    let info = piezo().args(["info", "--port", &emulated.port]).assert().success().get_output().stdout.clone();
+    let info = String::from_utf8(info).unwrap();
+    assert!(info.contains("its folder keeps the table of before as former-table.bin"), "{info}");
     refused(&train, &[ended, "choose another --out, or learn from what is there"]);
 }
 
@@ -283,7 +290,7 @@ fn a_table_of_another_range_is_said_to_be_one_and_what_a_proof_fails_for() {
     let link = ["--board", board, "--port", port];
     let narrow = [&["install", "tests/data/table/table.toml"], &link[..]].concat();
     refused(&narrow, &["2.1 % of what the board's ADC reads", "--voltage-scale", "--narrow"]);
-    let looked_at = piezo().args(&narrow).arg("--dry-run").assert().success().get_output().stdout.clone();
+    let looked_at = piezo().args(&narrow).arg("--dry-run").assert().code(1).get_output().stdout.clone();
     let looked_at = String::from_utf8(looked_at).unwrap();
     assert!(looked_at.contains("but would be refused; nothing was written"), "{looked_at}");
     assert!(looked_at.contains(" as calibrated for this board; made from 61a7024e)"), "{looked_at}");
@@ -305,7 +312,7 @@ fn a_table_of_another_range_is_said_to_be_one_and_what_a_proof_fails_for() {
         std::fs::read_to_string(board).unwrap().replace("adc_span = [-35.0, 135.0]", "adc_span = [135.0, -35.0]");
     std::fs::write(&turned, file).unwrap();
     let turned = ["install", "tests/data/table/table.toml", "--dry-run", "--board", text(&turned), "--port", port];
-    let said = String::from_utf8(piezo().args(turned).assert().success().get_output().stderr.clone()).unwrap();
+    let said = String::from_utf8(piezo().args(turned).assert().code(1).get_output().stderr.clone()).unwrap();
     assert!(said.contains("adc_span falls from 135 V at code 0 to -35 V"), "{said}");
     let installed = piezo().args(&install).arg("--json").assert().success().get_output().clone();
     let printed = String::from_utf8(installed.stdout.clone()).unwrap();

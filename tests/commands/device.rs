@@ -1,6 +1,6 @@
 //! The verbs that talk to a device, where there is none, or none that answers; and what they would do to a board.
 
-use super::{MEASURED, data, json, number, piezo, refused, text};
+use super::{MEASURED, data, json, number, piezo, refused, refused_json, text};
 use emulator::faults::messages;
 use emulator::{Emulator, FaultyLine};
 use estimator_core::record::VERSION;
@@ -87,7 +87,7 @@ fn a_table_that_cannot_be_is_refused_before_the_port_is_opened() {
 fn flash_shows_the_commands_it_would_run() {
     let folder = tempfile::tempdir().unwrap();
     let table = for_the_board(folder.path());
-    let plan = json(piezo().args(["flash", "--table", &table, "--probe", "0483:374e", "--dry-run", "--json"]));
+    let plan = refused_json(piezo().args(["flash", "--table", &table, "--probe", "0483:374e", "--dry-run", "--json"]));
     assert_eq!(
         plan["commands"],
         serde_json::json!([
@@ -100,7 +100,7 @@ fn flash_shows_the_commands_it_would_run() {
     let sentences = |list: &str| plan[list].to_string();
     assert!(sentences("doubts").contains("single amplitude") && sentences("refused").contains("--doubted"), "{plan}");
     let elsewhere = ["--parameters-at", "0x0803f000", "--chip", "STM32G431RBTx"];
-    let plan = json(piezo().args(["flash", "--table", &table, "--dry-run", "--json"]).args(elsewhere));
+    let plan = refused_json(piezo().args(["flash", "--table", &table, "--dry-run", "--json"]).args(elsewhere));
     assert_eq!(plan["refused"].as_array().unwrap().len(), 1);
     let may = json(piezo().args(["flash", "--table", &table, "--dry-run", "--json", "--doubted"]));
     assert!(may["doubts"] == plan["doubts"] && may["refused"].as_array().unwrap().is_empty(), "{may}");

@@ -139,6 +139,8 @@ fn the_folder_of_a_session_stands_for_its_logs() {
         found.contains("p885: the session ended before its time: 1 of 8 logs are there, none to prove with"),
         "{found}"
     );
+    let table = fs::read_to_string(out.join("table.toml")).unwrap();
+    assert!(table.contains("1 of 8 logs are there") && table.contains("identify again once it is whole"), "{table}");
 }
 
 /// Time stamps that an identification takes or refuses: what look says of them, and whether it proposes to learn from

@@ -72,6 +72,12 @@ fn json(command: &mut Command) -> Value {
     serde_json::from_slice(&output).expect("--json prints JSON")
 }
 
+/// Runs a dry run of what would be refused, and parses what it prints.
+fn refused_json(command: &mut Command) -> Value {
+    let output = command.assert().code(1).get_output().stdout.clone();
+    serde_json::from_slice(&output).expect("--json prints JSON")
+}
+
 /// A number inside a JSON value.
 fn number(value: &Value, pointer: &str) -> f64 {
     value.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("no number at {pointer} in {value}"))

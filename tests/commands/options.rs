@@ -174,7 +174,7 @@ fn a_lag_that_is_stated_is_kept_to() {
         command.args(["--evaluations", "60", "--devices", "0", "--out"]).arg(&out);
         let result = json(&mut command);
         let doubts = result["doubts"].as_array().unwrap();
-        assert!(doubts.iter().any(|doubt| doubt["doubt"] == "single-frequency" && doubt["lag_said"] == true));
+        assert!(doubts.iter().any(|doubt| doubt["doubt"] == "single-frequency" && doubt["lag_known"] == true));
         let (_, table) = TableFile::load(&out.join("table.toml")).unwrap();
         let Parameters::GeneralisedPrandtlIshlinskii(of) = table.parameters else { panic!("{table:?}") };
         0.5 * f64::from(of.delay_ticks()) + 1e3 * f64::from(of.lag_s)

@@ -1,6 +1,6 @@
 //! `piezo waveform` on an emulated device.
 
-use super::{json, piezo, text};
+use super::{json, piezo, refused_json, text};
 use assert_cmd::Command;
 use device_link::table::to_record;
 use device_link::{Client, pages};
@@ -189,12 +189,12 @@ fn what_plays_is_ended_by_no_other_verb_unless_it_is_told_so() {
         let stop = format!("piezo waveform --stop --port {port}");
         assert!(complaint.contains("plays a waveform") && complaint.contains("--force"), "{verb:?}: {complaint}");
         assert!(complaint.contains(&stop), "{verb:?}: {complaint}");
-        let looked_at = asks(&device, &[verb, &["--dry-run"]].concat()).assert().success().get_output().clone();
+        let looked_at = asks(&device, &[verb, &["--dry-run"]].concat()).assert().code(1).get_output().clone();
         let complaint = String::from_utf8(looked_at.stderr).unwrap();
         assert!(complaint.contains("plays a waveform"), "{verb:?}: {complaint}");
         assert_eq!(health(&device)["mode"], "Waveform", "{verb:?}");
     }
-    let unchanged = json(&mut asks(&device, &["reset", "--dry-run", "--json"]));
+    let unchanged = refused_json(&mut asks(&device, &["reset", "--dry-run", "--json"]));
     assert_eq!(unchanged["restarted"], false, "{unchanged}");
     assert!(unchanged["refused"][0].as_str().unwrap().contains("plays a waveform"), "{unchanged}");
     // A session leaves it alone, too, and has no --force.
@@ -222,7 +222,8 @@ fn what_plays_is_ended_by_no_other_verb_unless_it_is_told_so() {
     assert_eq!(restarted["restarted"], true, "{restarted}");
     assert_eq!(health(&device)["mode"], "Estimate");
     // A dry run looks at what is to be written whatever the device does.
-    let looked_at = said(asks(&device, &["push", text(&table), "--dry-run"]));
+    let looked_at = asks(&device, &["push", text(&table), "--dry-run"]).assert().code(1).get_output().stdout.clone();
+    let looked_at = String::from_utf8(looked_at).unwrap();
     assert!(looked_at.contains("nothing was written"), "{looked_at}");
 }
 
@@ -231,10 +232,13 @@ fn a_dry_run_says_what_would_be_refused() {
     let (device, folder) = (driving(), tempfile::tempdir().unwrap());
     let own = folder.path().join("own.bin");
     said(asks(&device, &["pull", "--out", text(&own)]));
-    let careful = |verb: &[&str]| {
-        let output = asks(&device, verb).arg("--dry-run").assert().success().get_output().clone();
-        String::from_utf8(output.stderr).unwrap()
+    let tried = |verb: &[&str]| {
+        let output = asks(&device, verb).arg("--dry-run").output().unwrap();
+        let [said, careful] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+        assert_eq!(output.status.code(), Some(i32::from(!careful.is_empty())), "{said}{careful}");
+        (said, careful)
     };
+    let careful = |verb: &[&str]| tried(verb).1;
     let estimating = "the device is estimating, and writing flash may cost ticks";
     assert!(careful(&["push", text(&own)]).contains(estimating));
     assert!(careful(&["erase"]).contains(estimating));
@@ -248,13 +252,18 @@ fn a_dry_run_says_what_would_be_refused() {
     assert!(careful(&shows).contains("repeat with --rewired"), "{}", careful(&shows));
     assert!(!careful(&[&shows[..], &["--rewired"]].concat()).contains("--rewired"));
     // What it prints says the same, and so does the JSON.
-    let looked_at = said(asks(&device, &["push", text(&own), "--dry-run"]));
+    let (looked_at, _) = tried(&["push", text(&own)]);
     assert!(looked_at.contains(" fits emulated, but would be refused; nothing was written"), "{looked_at}");
-    let looked_at = said(asks(&device, &["push", text(&own), "--reset", "--dry-run"]));
+    let (looked_at, _) = tried(&["push", text(&own), "--reset"]);
     assert!(looked_at.contains(" fits emulated; nothing was written"), "{looked_at}");
-    let looked_at = said(asks(&device, &["erase", "--dry-run"]));
+    let (looked_at, _) = tried(&["erase"]);
     assert!(looked_at.contains("would be refused") && looked_at.contains("nothing was erased"), "{looked_at}");
-    let refusals = |verb: &[&str]| json(asks(&device, verb).args(["--dry-run", "--json"]))["refused"].clone();
+    let refusals = |verb: &[&str]| {
+        let output = asks(&device, verb).args(["--dry-run", "--json"]).output().unwrap();
+        let refused = serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()["refused"].clone();
+        assert_eq!(output.status.code(), Some(i32::from(!refused.as_array().unwrap().is_empty())), "{refused}");
+        refused
+    };
     for verb in [&["push", text(&own)][..], &["erase"]] {
         assert!(refusals(verb)[0].as_str().unwrap().contains(estimating), "{verb:?}");
         assert_eq!(refusals(&[verb, &["--reset"]].concat()), serde_json::json!([]), "{verb:?}");

@@ -54,15 +54,17 @@ pub struct Session {
     pub unfinished: Option<Unfinished>,
 }
 
-/// A session of which not all logs are there.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+/// A session of which not all is there.
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Unfinished {
     /// A program still writes into its folder.
     pub under_way: bool,
+    /// It had come to its end, and lost something since.
+    pub ended: bool,
     /// Logs that were begun.
     pub there: usize,
-    /// The last of them is cut short.
-    pub cut_short: bool,
+    /// Names of those that have fewer rows than they were to have.
+    pub cut_short: Vec<String>,
     /// Logs of its plan, where it says so: sessions of before do not.
     pub planned: Option<usize>,
     /// One to prove with is among those that are there.
@@ -70,11 +72,13 @@ pub struct Unfinished {
 }
 
 impl Unfinished {
-    fn of(logs: &[Described], planned: Option<usize>, under_way: bool) -> Option<Self> {
-        let (there, cut_short) = (logs.len(), logs.iter().any(|log| !log.complete));
+    fn of(logs: &[Described], planned: Option<usize>, under_way: bool, ended: bool) -> Option<Self> {
+        let there = logs.len();
+        let cut_short: Vec<String> = logs.iter().filter(|log| !log.complete).map(Described::name).collect();
         let held_out = logs.iter().any(|log| log.held_out);
-        (cut_short || planned.is_some_and(|planned| there < planned)).then_some(Self {
+        (!cut_short.is_empty() || planned.is_some_and(|planned| there < planned)).then_some(Self {
             under_way,
+            ended,
             there,
             cut_short,
             planned,
@@ -86,11 +90,15 @@ impl Unfinished {
 impl Display for Unfinished {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let of = self.planned.map_or(String::new(), |planned| format!(" of {planned}"));
-        let cut = if self.cut_short { ", the last one cut short" } else { "" };
+        let cut = match &self.cut_short[..] {
+            [] => String::new(),
+            names => format!(", {} cut short", names.join(", ")),
+        };
         let proof = if self.held_out { "" } else { ", none to prove with among them" };
-        let (begun, so_far) = match self.under_way {
-            true => ("the session is still being recorded", " so far"),
-            false => ("the session ended before its time", ""),
+        let (begun, so_far) = match (self.under_way, self.ended) {
+            (true, _) => ("the session is still being recorded", " so far"),
+            (false, true) => ("the session has lost rows since it was recorded", ""),
+            (false, false) => ("the session ended before its time", ""),
         };
         let there = self.there;
         write!(f, "{begun}: {there}{of} logs are there{so_far}{cut}{proof}; what is missing is not learnt")
@@ -115,12 +123,20 @@ impl Described {
         folder.join(self.log.file_name().unwrap_or_default())
     }
 
-    /// As it stands there, of a session that was killed before it could say so.
-    fn found(self, folder: &Path) -> Self {
-        let lines =
-            std::fs::read(self.beside(folder)).map_or(0, |text| text.iter().filter(|byte| **byte == b'\n').count());
+    fn name(&self) -> String {
+        self.log.file_name().unwrap_or_default().display().to_string()
+    }
+
+    /// As it stands there: of a session that did not come to say so, where it is `under_way`, or of one that has.
+    fn found(self, folder: &Path, under_way: bool) -> Self {
+        let Ok(text) = std::fs::read(self.beside(folder)) else {
+            // What was never begun has no rows; of what was, reading it says what hinders that.
+            return Self { rows: if under_way { Some(0) } else { self.rows }, ..self };
+        };
+        let lines = text.iter().filter(|byte| **byte == b'\n').count();
         let rows = (lines as u64).saturating_sub(1);
-        Self { complete: self.rows.is_some_and(|planned| rows >= planned), rows: Some(rows), ..self }
+        let whole = self.rows.map_or(!under_way, |said| rows >= said);
+        Self { complete: whole && (under_way || self.complete), rows: Some(rows), ..self }
     }
 
     /// Whether there is anything of it.
@@ -163,9 +179,9 @@ pub fn session(folder: &Path) -> Result<Session, BenchError> {
     let Description { complete, seed, tick_us, planned, under_way, board, logs } =
         toml::from_str(&text).map_err(|error| failed(std::io::Error::new(ErrorKind::InvalidData, error)))?;
     let recorded = under_way && is_held(folder);
-    let found = |log: Described| if under_way { log.found(folder) } else { log };
+    let found = |log: Described| log.found(folder, under_way);
     let logs: Vec<Described> = logs.into_iter().map(found).filter(Described::begun).collect();
-    let unfinished = Unfinished::of(&logs, planned, recorded);
+    let unfinished = Unfinished::of(&logs, planned, recorded, complete);
     let (held_out, learnt): (Vec<Described>, Vec<Described>) = logs.into_iter().partition(|log| log.held_out);
     let paths = |logs: Vec<Described>| logs.iter().map(|of| of.beside(folder)).collect();
     let (logs, held_out) = (paths(learnt), paths(held_out));
@@ -244,14 +260,14 @@ mod tests {
         assert_eq!(of("", &all), None, "one of before");
         let said = of("planned = 8\n", &[("01-rest", true), ("02-loops", false)]).unwrap();
         assert!(
-            said.contains("2 of 8 logs are there, the last one cut short, none to prove with among them"),
+            said.contains("2 of 8 logs are there, 02-loops.csv cut short, none to prove with among them"),
             "{said}"
         );
         let said = of("planned = 2\n", &[("01-rest", true), ("held-out", false)]).unwrap();
-        let whole = "2 of 2 logs are there, the last one cut short; what is missing is not learnt";
+        let whole = "2 of 2 logs are there, held-out.csv cut short; what is missing is not learnt";
         assert!(said.ends_with(whole), "{said}");
         let said = of("", &[("01-rest", true), ("held-out", false)]).unwrap();
-        assert!(said.contains("2 logs are there, the last one cut short;"), "{said}");
+        assert!(said.contains("2 logs are there, held-out.csv cut short;"), "{said}");
     }
 
     #[test]
@@ -281,14 +297,14 @@ mod tests {
         };
         let (logs, held_out, said) = left(&[502, 400]);
         assert!(
-            (logs, held_out) == (2, 0) && said.contains("2 of 4 logs are there, the last one cut short, none to"),
+            (logs, held_out) == (2, 0) && said.contains("2 of 4 logs are there, 02-loops.csv cut short, none to"),
             "{said}"
         );
         // While a program holds the folder, it is under way.
         let held = Held::of(folder).unwrap();
         let (logs, _, said) = left(&[502, 400]);
         let begun =
-            "the session is still being recorded: 2 of 4 logs are there so far, the last one cut short, none to";
+            "the session is still being recorded: 2 of 4 logs are there so far, 02-loops.csv cut short, none to";
         assert!(logs == 2 && said.starts_with(begun), "{said}");
         let mut logs = vec![folder.to_owned()];
         left(&[3, 3]);
@@ -299,6 +315,20 @@ mod tests {
         let (logs, _, said) = left(&[502, 500, 99]);
         assert!(logs == 2 && said.contains("2 of 4 logs are there, none to"), "{said}");
         assert_eq!(left(&[502, 500, 500, 501]), (3, 1, String::new()), "killed once all of it was there");
+    }
+
+    #[test]
+    fn rows_that_a_whole_session_has_lost_are_missed() {
+        let folder = tempfile::tempdir().unwrap();
+        let log = "[[logs]]\nlog = \"01-rest.csv\"\nheld_out = true\ncomplete = true\nrows = 300\n";
+        std::fs::write(folder.path().join(SESSION), format!("complete = true\nseed = 1\nplanned = 1\n{log}")).unwrap();
+        let with = |rows: usize| {
+            std::fs::write(folder.path().join("01-rest.csv"), "0,0,0\n".repeat(rows + 1)).unwrap();
+            session(folder.path()).unwrap().unfinished.map(|of| of.to_string())
+        };
+        assert_eq!(with(300), None);
+        let said = with(299).unwrap();
+        assert!(said.contains("has lost rows since it was recorded: 1 of 1 logs are there, 01-rest.csv cut"), "{said}");
     }
 
     #[test]

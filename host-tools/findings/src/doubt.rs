@@ -43,6 +43,7 @@ pub fn doubt(doubt: &Doubt) -> String {
              columns, units and zeros right, is the sensor's delay within reason (--delay), and was the amplifier at its limit?"
         ),
         Doubt::Flawed { log, worst, count, left_out, most } => flawed(log, worst, *count, *left_out, *most),
+        Doubt::Unfinished { missing } => format!("{missing}: identify again once it is whole, or record another"),
         Doubt::HeldOutFar { training_um, held_out_um } => format!(
             "on the held-out data the error without offset is {:.3} µm, in training {:.3} µm: the model \
              has learnt this recording rather than the actuator, the two were recorded under other conditions, or what was held out goes as far or \
@@ -87,12 +88,12 @@ pub fn doubt(doubt: &Doubt) -> String {
             "hysteresis needs at least {FEW_REVERSALS} reversals of the voltage, and the training logs have {reversals}: record \
              several cycles"
         ),
-        Doubt::SingleFrequency { lag_said: false } => {
+        Doubt::SingleFrequency { lag_known: false } => {
             "the training logs have a single frequency: lag and hysteresis cannot be told apart, and at other \
              frequencies the estimate may be wrong; record several, or a step, or state --lag by a data sheet"
             .to_owned()
         }
-        Doubt::SingleFrequency { lag_said: true } => {
+        Doubt::SingleFrequency { lag_known: true } => {
             "the training logs have a single frequency: at others the estimate may be wrong; record several"
             .to_owned()
         }
@@ -171,6 +172,12 @@ pub fn doubt(doubt: &Doubt) -> String {
              beyond"
         ),
     }
+}
+
+/// Adds to the doubts of an outcome that the session of its logs is not whole, where something is `missing` of it.
+pub fn doubt_session(outcome: &mut Outcome, missing: Option<String>) {
+    outcome.doubts.extend(missing.map(|missing| Doubt::Unfinished { missing }));
+    outcome.doubts.sort_by_key(Doubt::rank);
 }
 
 /// Adds to the doubts of an outcome those of its interval, which come after them: where it is wide, and where the
@@ -287,6 +294,7 @@ mod tests {
             Doubt::AtBound { gene: "p", value: 2.5 },
             Doubt::PoorFit { log: "d".into(), percent: 40.0 },
             Doubt::Flawed { log: "e".into(), worst: FLAW, count: 3, left_out: false, most: false },
+            Doubt::Unfinished { missing: "the session ended before its time".into() },
             Doubt::HeldOutFar { training_um: 0.1, held_out_um: 1.0 },
             Doubt::LearntWorse { whole_um: 1.5, judged_um: 0.039 },
             Doubt::NothingHeldOut,
@@ -295,8 +303,8 @@ mod tests {
             Doubt::UnmetCondition { condition: DuhemCondition::Rising },
             Doubt::UnmetCondition { condition: DuhemCondition::Lagging },
             Doubt::FewReversals { reversals: 2 },
-            Doubt::SingleFrequency { lag_said: false },
-            Doubt::SingleFrequency { lag_said: true },
+            Doubt::SingleFrequency { lag_known: false },
+            Doubt::SingleFrequency { lag_known: true },
             Doubt::SingleAmplitude { extremum_terms: true },
             Doubt::SingleAmplitude { extremum_terms: false },
             Doubt::RunsAhead { log: "f".into(), by: Ahead { percent: 9.0, loops: 5 } },

@@ -29,7 +29,7 @@ pub mod validated_log;
 pub use compared::{compared_tables, table_name, written_to};
 pub use compared_lines::{COMPARED, compared_how, compared_lines};
 pub use determination::{DETERMINED, TAUGHT, determination, taught};
-pub use doubt::{calibrated, doubt, doubt_interval, doubt_json, implausible, runs_ahead};
+pub use doubt::{calibrated, doubt, doubt_interval, doubt_json, doubt_session, implausible, runs_ahead};
 pub use estimated::{estimated, estimated_json};
 pub use flaw::{flaw, flaw_found, flaws};
 pub use interval::interval;

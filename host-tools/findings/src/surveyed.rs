@@ -204,7 +204,7 @@ fn swings(line: &mut dyn FnMut(&str, &str), survey: &Survey) {
         line("", "the voltage is constant: nothing can be learnt from it");
         return;
     }
-    line("half cycles", "amplitude, V × frequency, Hz: how many");
+    line("half cycles", "amplitude, half of what the voltage goes from turn to turn, V × frequency, Hz: how many");
     for Cell { amplitude_v, frequency_hz, half_cycles } in &swings.cells {
         let from_to = |(from, to): (f64, f64)| format!("{} … {}", short(from), short(to));
         line("", &format!("{:>17} × {:<15} {half_cycles:>8}", from_to(*amplitude_v), from_to(*frequency_hz)));

@@ -49,6 +49,11 @@ pub enum Doubt {
         /// That was asked for, and not done: what is no measurement is most of the log.
         most: bool,
     },
+    /// The training session that the logs are of is not whole.
+    Unfinished {
+        /// What is missing of it.
+        missing: String,
+    },
     /// The error on what was held out is far from the training error.
     HeldOutFar {
         /// Simulation MAE without offset in training, µm.
@@ -92,8 +97,8 @@ pub enum Doubt {
     },
     /// All half cycles last about the same.
     SingleFrequency {
-        /// Somebody says what the lag is.
-        lag_said: bool,
+        /// Somebody says what the lag is, or a step of the voltage shows it.
+        lag_known: bool,
     },
     /// All swings are about as large.
     SingleAmplitude {

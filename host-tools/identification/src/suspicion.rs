@@ -87,8 +87,8 @@ pub fn doubts(
         doubts.push(Doubt::SingleAmplitude { extremum_terms });
     }
     if character.single_frequency() {
-        let lag_said = lag_s.is_some_and(|said| kept(said, candidate));
-        doubts.push(Doubt::SingleFrequency { lag_said });
+        let lag_known = character.steps > 0 || lag_s.is_some_and(|said| kept(said, candidate));
+        doubts.push(Doubt::SingleFrequency { lag_known });
     }
     for comparison in &candidate.held_out {
         if comparison.status.contains(estimator_core::Status::VOLTAGE_OUT_OF_RANGE) {

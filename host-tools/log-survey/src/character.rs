@@ -1,4 +1,5 @@
-//! What the training logs can teach: how many reversals they have, at how many frequencies and amplitudes.
+//! What the training logs can teach: how many reversals they have, at how many frequencies and amplitudes, and whether
+//! the voltage steps.
 
 use crate::reversals::reversals;
 use estimator_core::Range;
@@ -11,6 +12,9 @@ pub struct Character {
     pub reversals: usize,
     /// Reversals that the model's deadband lets through.
     pub reversals_at_deadband: usize,
+    /// Steps of at least 10 % of the voltage span between two rests, in logs that are read often enough to show what
+    /// follows one.
+    pub steps: usize,
     half_cycles: Vec<HalfCycle>,
 }
 
@@ -23,6 +27,11 @@ struct HalfCycle {
 
 /// Reversals smaller than this fraction of the whole span are noise or glitches here.
 const SMALLEST_SWING: f64 = 0.1;
+/// A step takes no longer than this, s, and the voltage stands still for so long before and after it, s: within this
+/// part of the whole span.
+const STEP_S: f64 = 5e-3;
+const STILL_S: f64 = 20e-3;
+const STILL: f64 = 0.02;
 /// Half cycles (or swings) whose extremes differ by less than this factor count as one frequency (or amplitude).
 const ONE: f64 = 1.25;
 /// Half cycles that together last less than this fraction of the time are glitches, at either end.
@@ -33,11 +42,12 @@ impl Character {
     pub fn of<'a>(sessions: impl Iterator<Item = &'a Session> + Clone, deadband: f64) -> Self {
         let voltages = sessions.clone().flat_map(|session| session.voltage.iter().copied());
         let span = Range::of_values(voltages).span();
-        let mut character = Self { reversals: 0, reversals_at_deadband: 0, half_cycles: Vec::new() };
+        let mut character = Self { reversals: 0, reversals_at_deadband: 0, steps: 0, half_cycles: Vec::new() };
         for session in sessions {
             character.reversals_at_deadband += reversals(&session.voltage, deadband).len();
             let large = reversals(&session.voltage, SMALLEST_SWING * span);
             character.reversals += large.len();
+            character.steps += steps(session, span);
             let half_cycles = large.windows(2).map(|pair| HalfCycle {
                 seconds: (pair[1] - pair[0]) as f64 * session.tick_s,
                 volts: (session.voltage[pair[1]] - session.voltage[pair[0]]).abs(),
@@ -74,4 +84,24 @@ impl Character {
             _ => true,
         }
     }
+}
+
+/// How often the voltage of a session steps; `span` is that of all logs, V.
+fn steps(session: &Session, span: f64) -> usize {
+    let ticks = |seconds: f64| (seconds / session.tick_s).ceil() as usize;
+    let (step, still) = (ticks(STEP_S), ticks(STILL_S));
+    if span <= 0.0 || session.interval_s() > STEP_S {
+        return 0;
+    }
+    let rests = |volts: &[f64]| Range::of_values(volts.iter().copied()).span() <= STILL * span;
+    let (mut count, mut from) = (0, still);
+    while let Some(after) = session.voltage.get(from + step..from + step + still) {
+        let large = (after[0] - session.voltage[from]).abs() >= SMALLEST_SWING * span;
+        if large && rests(&session.voltage[from - still..=from]) && rests(after) {
+            count += 1;
+            from += step;
+        }
+        from += 1;
+    }
+    count
 }

@@ -116,6 +116,11 @@ impl Tally {
         })
     }
 
+    /// The rows behind steps of several periods; none where the stamps go back, and so jitter.
+    pub fn behind_gaps(&self) -> Vec<u64> {
+        self.behind.iter().filter(|_| self.gaps() > 0).map(|&(row, _)| row).collect()
+    }
+
     /// `stated` is a period that no column states, s, and what the file calls it.
     pub fn result(&self, rows: u64, stated: Option<(f64, Option<String>)>) -> Clock {
         let intervals = rows.saturating_sub(1) as f64;

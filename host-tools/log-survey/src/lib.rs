@@ -121,7 +121,7 @@ pub fn survey(reading: Reading<'_>) -> Result<Survey, LogError> {
     let period = 1.0 / clock.hz;
     let (voltage, displacement) = (tally.voltage.result(), tally.displacement.result());
     let swings = match &voltage {
-        Some(series) => swings::find(tally.blocks.all(), series, period),
+        Some(series) => swings::find(tally.blocks.all(), series, period, &tally.clock.behind_gaps()),
         None => Swings::default(),
     };
     let mut flaws = tally.kept.flaws(&clock);

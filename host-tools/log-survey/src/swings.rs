@@ -21,7 +21,7 @@ pub struct Swings {
     pub reversals: usize,
     /// Smallest swing that counts, V from one reversal to the next.
     pub threshold_v: f64,
-    /// Half cycles by amplitude and frequency, those that there are.
+    /// Half cycles by amplitude and frequency, those that there are; none over a gap of the time stamps.
     pub cells: Vec<Cell>,
 }
 
@@ -36,8 +36,8 @@ pub struct Cell {
     pub half_cycles: usize,
 }
 
-/// Finds them in the blocks of a log of this voltage and sample period, s.
-pub(crate) fn find(blocks: BlocksView<'_>, voltage: &Series, period: f64) -> Swings {
+/// Finds them in the blocks of a log of this voltage and sample period, s, with gaps before these rows.
+pub(crate) fn find(blocks: BlocksView<'_>, voltage: &Series, period: f64, gaps: &[u64]) -> Swings {
     let range = voltage.high - voltage.low;
     let threshold_v = (PART * range).max(DEVIATIONS * voltage.noise);
     if range <= 0.0 || !period.is_finite() {
@@ -45,7 +45,8 @@ pub(crate) fn find(blocks: BlocksView<'_>, voltage: &Series, period: f64) -> Swi
     }
     let turns = turns(blocks, threshold_v);
     let mut cells: Vec<((usize, i32), usize)> = Vec::new();
-    for pair in turns.windows(2) {
+    let over_a_gap = |pair: &&[(f64, f64)]| gaps.iter().any(|&row| pair[0].0 < row as f64 && row as f64 <= pair[1].0);
+    for pair in turns.windows(2).filter(|pair| !over_a_gap(pair)) {
         let amplitude = (pair[1].1 - pair[0].1).abs() / 2.0;
         let seconds = (pair[1].0 - pair[0].0) * period;
         let class = (amplitude_class(amplitude, range), frequency_class(0.5 / seconds));
@@ -112,6 +113,19 @@ fn frequency_edge(class: i32) -> f64 {
 mod tests {
     use super::*;
     use crate::blocks::Blocks;
+
+    #[test]
+    fn a_half_cycle_over_a_gap_has_no_frequency() {
+        let mut blocks = Blocks::default();
+        let wave = |row: u32| (std::f64::consts::TAU * 0.01 * f64::from(row)).sin();
+        (0..1000).for_each(|row| blocks.add(wave(row), 0.0));
+        let voltage = Series { low: -1.0, high: 1.0, ..Series::default() };
+        let counted = |gaps: &[u64]| {
+            let swings = find(blocks.all(), &voltage, 1e-3, gaps);
+            swings.cells.iter().map(|cell| cell.half_cycles).sum::<usize>()
+        };
+        assert_eq!(counted(&[]) - counted(&[501]), 1);
+    }
 
     #[test]
     fn a_swing_that_goes_from_one_side_of_the_start_to_the_other_is_one() {

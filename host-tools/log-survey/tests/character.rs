@@ -55,3 +55,21 @@ fn a_ramp_teaches_no_reversal() {
     let character = Character::of(ramp.iter(), 0.02);
     assert!(character.reversals == 0 && character.single_amplitude() && character.single_frequency());
 }
+
+/// An amplifier that takes some milliseconds to each of the levels of a staircase.
+#[test]
+fn the_steps_of_a_staircase_are_counted_and_a_fast_sine_has_none() {
+    let level = |k: u32| f64::from((k / 200).min(5)) * 20.0;
+    let mut at = 0.0;
+    let amplifier = (0..1600).map(|k| {
+        at += 0.7 * (level(k) - at);
+        at
+    });
+    let stairs = session(amplifier.collect());
+    assert_eq!(Character::of([&stairs].into_iter(), 0.02).steps, 5);
+    assert_eq!(Character::of([&sine(20.0, 80.0)].into_iter(), 0.02).steps, 0);
+    // Read every 10 ms, a step shows no lag.
+    let instants: Vec<u32> = (0..160).map(|k| 10 * k).collect();
+    let seldom = Session::new("x".into(), stairs.voltage, instants, vec![0.0; 160], 1e-3);
+    assert_eq!(Character::of([&seldom].into_iter(), 0.02).steps, 0);
+}

@@ -32,7 +32,8 @@ const EXIT_CODES: &str = "Exit codes:
   0  done
   1  done, and it came out badly: a threshold was exceeded or a trajectory not met (validate, feedforward, prove),
      a bit differs (pil, install), a unit has no table (collect), it ended before its time (record, train, prove, follow),
-     a part failed (learn), a fault stopped it or it waited for the host (follow)
+     a part failed (learn), a fault stopped it or it waited for the host (follow), what was only tried would be refused
+     (--dry-run of push, erase, install, flash, reset, prove)
   2  not done: the arguments, a file or the device are wrong, or the link broke; no file is left half-written";
 
 // In the order in which a newcomer meets them: logs, a board with a sensor, a board that estimates, its

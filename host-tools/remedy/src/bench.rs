@@ -243,8 +243,12 @@ fn wiring(error: &WiringError) -> String {
 }
 
 fn no_model(error: &NoModel) -> String {
-    format!("{error}: `piezo train`, `piezo identify` and `piezo install` make one")
+    format!("{error}: {FORMER_OF_KILLED}; else `piezo train`, `piezo identify` and `piezo install` make one")
 }
+
+/// Where the model went that a device had before it was given a straight line.
+pub const FORMER_OF_KILLED: &str = "where `piezo train` was killed, its folder keeps the table of before as former-table.bin, and \
+                                    `piezo push … --reset` brings it back";
 
 fn board_file(error: &BoardFileError) -> String {
     match error {

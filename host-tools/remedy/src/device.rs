@@ -143,6 +143,12 @@ pub(super) fn stop() -> String {
 pub(super) fn link(error: &LinkError) -> String {
     match error {
         LinkError::Port(error) => port(error),
+        // Whoever was first has it, and it lets nobody else in.
+        LinkError::Silent { port: at @ Address::Tcp(_) } => format!(
+            "{at}: no answer. Is another program connected to it, as `piezo monitor` may be (an emulated board answers one \
+             at a time)? Is it a board's port, is this project's firmware on the board (`piezo flash`), made from the same \
+             sources as this program (protocol version {VERSION})?"
+        ),
         LinkError::Silent { port: at } => format!(
             "{at}: no answer. Is it the board's port, is this project's firmware on the board (`piezo flash`), made from \
              the same sources as this program (protocol version {VERSION}), and is no other program connected to it?"

@@ -6,7 +6,7 @@ use ::calibration::ConverterMismatch;
 use ::calibration::drive::SetpointMismatch;
 use comparison::ComparisonError;
 use estimator_core::TableError;
-use fleet::UnitError;
+use fleet::{Unit, UnitError};
 use identification::cost::UnusedWeight;
 use identification::validate::{Bound, ScopeError, UnmeasuredError};
 use identification::{CandidateError, JobError};
@@ -50,6 +50,19 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
         .or_else(|| error.downcast_ref().map(file))
         .or_else(|| error.downcast_ref().map(setpoint))
         .or_else(|| error.downcast_ref().map(unit))
+}
+
+/// Refuses a folder that has a unit's file, or one that may be: what it says would be of tables that are gone.
+///
+/// # Errors
+/// There is such a file; the sentence says what helps.
+pub fn of_no_unit(path: &Path) -> Result<(), String> {
+    let remedy = "name another folder with --out";
+    match Unit::read(path) {
+        Err(UnitError::Missing { .. }) => Ok(()),
+        Ok(Unit { unit, .. }) => Err(format!("{}: says what came of {unit}: add --unit, or {remedy}", path.display())),
+        Err(error) => Err(format!("{error}: {remedy}")),
+    }
 }
 
 fn unit(error: &UnitError) -> String {

@@ -25,7 +25,7 @@ pub use findings::{
     DETERMINED, TAUGHT, bring_to, calibrated, determination, doubt, doubt_json, interval, left_out, proven, reason,
     remarked, surveyed, taught,
 };
-pub use identification::{ENDS, mismatch};
+pub use identification::{ENDS, mismatch, of_no_unit};
 pub use learnable::{Learnable, all_learnable, learnable};
 pub use log::{cut_short, kept};
 pub use motion::moving;
@@ -35,7 +35,7 @@ pub use proof::{follow_interrupted, narrow, other_range, proof, proof_interrupte
 pub use stages::{input_stage, input_stage_json, output_stage, output_stage_json};
 pub use state::{Known, state};
 pub use supply::supply;
-pub use unfinished::{ended, kept_logs, unfinished};
+pub use unfinished::{ended, kept_logs, stranded, unfinished};
 pub use verdict::{doubts, next, on_the_board, verdict};
 pub use waveform::{played, plays};
 

@@ -1,10 +1,11 @@
 //! Who a device is, which table it runs and how it is, as lines for people: faults and status bits come
 //! with their remedies.
 
+use crate::bench::FORMER_OF_KILLED;
 use crate::bits::{self, Meaning};
 use crate::identification::refused;
 use crate::{played, supply};
-use bench::describe;
+use bench::{describe, is_line};
 use device_link::words;
 use estimator_core::{AdcCode, Admitted, SetpointCalibration, Status, TableError};
 use findings::counted;
@@ -94,7 +95,9 @@ fn table_lines(identity: &Identity, table: Option<&(Result<Admitted, TableError>
                 // A firmware of another record format runs tables that this program cannot read.
                 Err(error) => vec![format!("it cannot be shown here: {}", refused(error))],
             };
-            lines.extend(described.into_iter().map(|line| format!("         {line}")));
+            let line = table.as_ref().is_ok_and(|table| is_line(table));
+            let former = line.then(|| FORMER_OF_KILLED.to_owned());
+            lines.extend(described.into_iter().chain(former).map(|line| format!("         {line}")));
             lines
         }
     }

@@ -2,9 +2,10 @@
 
 use super::bench::{complaint, identify, stopped};
 use super::learnable::tried;
-use super::paste::typed;
+use super::paste::{quoted, typed};
 use super::sentence;
-use bench::{Ended, Unfinished};
+use bench::{Ended, FORMER, Unfinished};
+use device_link::Address;
 use recordings::log::{ReadOptions, read};
 use std::path::Path;
 
@@ -36,10 +37,29 @@ pub fn kept_logs(folder: &Path) -> Option<String> {
     Some(format!("{logs} kept, to learn from as far as they go:\n\n    {}{}", identify(folder), typed("--board")))
 }
 
-/// What is missing of a session, with its remedy.
-pub fn unfinished(of: &Unfinished) -> String {
+/// What is to be done where a session's device was not seen to have its table of before again.
+pub fn stranded(folder: &Path, port: &Address) -> String {
+    let former = folder.join(FORMER);
+    match former.exists() {
+        true => format!(
+            "the table of before is not in use again (piezo push {} --reset --port {port} brings it back)",
+            quoted(&former.display().to_string())
+        ),
+        false => format!("the device was not seen to come to rest (piezo info --port {port} says, once it answers)"),
+    }
+}
+
+/// What is missing of a session, with its remedy; and where its folder keeps the only copy of a table.
+pub fn unfinished(folder: &Path, of: &Unfinished) -> String {
+    let former = folder.join(FORMER);
     match of.under_way {
         true => format!("{of}: wait until it has ended"),
+        false if former.exists() => format!(
+            "{of}: piezo train with another --out plays a session anew. The table that was in use before is in {} alone; \
+             it is brought back with:\n    piezo push {} --reset",
+            former.display(),
+            quoted(&former.display().to_string())
+        ),
         false => format!("{of}: piezo train with another --out plays a session anew"),
     }
 }
@@ -73,5 +93,13 @@ mod tests {
         let logs = [log("01-branch", false), log("02-loops", false), log("03-proof", true)].concat();
         std::fs::write(folder.path().join("session.toml"), format!("complete = true\nseed = 1\n{logs}")).unwrap();
         assert!(kept_logs(folder.path()).unwrap().starts_with("3 logs are kept"));
+        // Killed, it left the only copy of a table.
+        let (there, under_way) = (1, false);
+        let killed =
+            Unfinished { under_way, ended: false, there, cut_short: vec![], planned: Some(8), held_out: false };
+        assert!(!unfinished(folder.path(), &killed).contains(FORMER));
+        std::fs::write(folder.path().join(FORMER), []).unwrap();
+        let said = unfinished(folder.path(), &killed);
+        assert!(said.contains("piezo push") && said.ends_with(&format!("{FORMER} --reset")), "{said}");
     }
 }

@@ -70,14 +70,16 @@ pub struct Fitting {
 }
 
 impl Fitting {
-    /// Puts the logs of a session of this board in its folder's place, with its tick where none was typed.
-    pub fn open_session(&mut self, board: Option<&Path>) -> Result<(), BenchError> {
+    /// Puts the logs of a session of this board in its folder's place, with its tick where none was typed. Returns what
+    /// is missing of the session, once that is said.
+    pub fn open_session(&mut self, board: Option<&Path>) -> Result<Option<String>, BenchError> {
         let (else_held_out, folder) = (self.hold_out.is_some(), self.logs.first().cloned().unwrap_or_default());
         let (held_out, tick_us) = (&mut self.validate_on, &mut self.prepare.tick_us);
-        if let Some(unfinished) = open_session(&mut self.logs, held_out, else_held_out, tick_us, board)? {
-            eprintln!("piezo: careful: {}: {}", folder.display(), remedy::unfinished(&unfinished));
+        let unfinished = open_session(&mut self.logs, held_out, else_held_out, tick_us, board)?;
+        if let Some(unfinished) = &unfinished {
+            eprintln!("piezo: careful: {}: {}", folder.display(), remedy::unfinished(&folder, unfinished));
         }
-        Ok(())
+        Ok(unfinished.map(|unfinished| unfinished.to_string()))
     }
 
     /// The job, with its logs read: the choice of a model left to it, converters assumed.

@@ -68,9 +68,6 @@ pub fn run(arguments: &Emulate) -> Result<bool> {
     let (board, written) = (arguments.board.display(), !arguments.board.exists());
     let facts = if written { EMULATED } else { BoardFacts::read(&arguments.board)? };
     let wiring = Wiring::new(&facts, TICK_US).with_context(|| board.to_string())?;
-    if written {
-        output::write(&arguments.board, facts.to_toml())?;
-    }
     let truth = match &arguments.wired {
         Some(wired) => Wiring::new(&BoardFacts::read(wired)?, TICK_US).with_context(|| wired.display().to_string())?,
         None => wiring.clone(),
@@ -93,6 +90,10 @@ pub fn run(arguments: &Emulate) -> Result<bool> {
         Some(path) => emulator.flash(FileFlash::open(path, &erased)?).start()?,
         None => emulator.flash(RamFlash::new(erased)).start()?,
     };
+    // Once nothing is in the board's way any more.
+    if written {
+        output::write(&arguments.board, facts.to_toml())?;
+    }
     let port = device.address();
     let kept = match &arguments.flash {
         Some(path) => format!("Its tables are kept in {}.", path.display()),

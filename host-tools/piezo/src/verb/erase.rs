@@ -43,5 +43,5 @@ pub fn run(arguments: &Erase) -> Result<bool> {
     } else {
         out(&remedy::erased(board, restarted.as_ref().map(|identity| &identity.source), &arguments.port.port));
     }
-    Ok(true)
+    Ok(refused.is_empty())
 }

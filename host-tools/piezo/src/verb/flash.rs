@@ -82,8 +82,7 @@ pub fn run(arguments: &Flash) -> Result<bool> {
         }
         commands.iter().try_for_each(|command| probe::run(command))?;
     }
-    tell(arguments, &commands, &place, content)?;
-    Ok(true)
+    tell(arguments, &commands, &place, content)
 }
 
 /// Where the parameter pages are.
@@ -130,7 +129,12 @@ fn commands(arguments: &Flash, pages: Option<&PathBuf>, at: u32) -> Vec<Vec<OsSt
     image.chain(pages).chain([probe.reset()]).collect()
 }
 
-fn tell(arguments: &Flash, commands: &[Vec<OsString>], place: &Range<u32>, content: Option<Content<'_>>) -> Result<()> {
+fn tell(
+    arguments: &Flash,
+    commands: &[Vec<OsString>],
+    place: &Range<u32>,
+    content: Option<Content<'_>>,
+) -> Result<bool> {
     let (doubts, doubted) = content.map_or((Vec::new(), Doubts::Settled), |content| (content.doubts, content.doubted));
     let refused = Vec::from_iter(doubted.refused());
     let commands: Vec<String> = commands.iter().map(|command| probe::line(command)).collect();
@@ -138,7 +142,7 @@ fn tell(arguments: &Flash, commands: &[Vec<OsString>], place: &Range<u32>, conte
         let written = !arguments.dry_run;
         let summary = json!({ "commands": commands, "written": written, "doubts": doubts, "refused": refused });
         out(&serde_json::to_string_pretty(&summary)?);
-        return Ok(());
+        return Ok(refused.is_empty());
     }
     refused.iter().for_each(|refusal| eprintln!("piezo: careful: {refusal}"));
     if arguments.dry_run {
@@ -155,5 +159,5 @@ fn tell(arguments: &Flash, commands: &[Vec<OsString>], place: &Range<u32>, conte
     if !arguments.dry_run {
         out("The device has been restarted; look at it with `piezo info --port …`");
     }
-    Ok(())
+    Ok(refused.is_empty())
 }

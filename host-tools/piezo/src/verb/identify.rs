@@ -3,10 +3,10 @@
 use super::print::{out, progress};
 use crate::option::{CalibrationArgs, Fitting, Overwrite, SearchArgs, model_choice};
 use crate::output::{self, FACES, Held, PAGE, PICTURE};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Error, Result};
 use clap::Args;
 use estimator_core::Table;
-use fleet::{Asked, Found, Run, UNIT, Unit, UnitError, UnitName};
+use fleet::{Asked, Found, Run, UNIT, UnitName};
 use identification::cost::Cost;
 use identification::validate::{Comparison, Scope, Told, ZERO_WINDOW_S, estimates};
 use identification::{Doubt, Job, ModelChoice, Outcome, SearchOptions};
@@ -75,19 +75,19 @@ const FLEET: &str = "A fleet of units";
 /// Runs the verb.
 pub fn run(arguments: &mut Identify) -> Result<bool> {
     // Whether a session is being recorded shows by its folder being held: it is looked at before this program holds it.
-    let opened = arguments.fitting.open_session(arguments.calibration.board.as_deref()).map_err(anyhow::Error::from);
+    let opened = arguments.fitting.open_session(arguments.calibration.board.as_deref()).map_err(Error::from);
     let path = arguments.out.join(UNIT.0);
     let Some(unit) = arguments.unit.clone() else {
-        opened?;
+        let missing = opened?;
         let folder = output::to_folder(&arguments.out)?;
-        of_no_unit(&path)?;
-        return identify(arguments, &folder, None);
+        remedy::of_no_unit(&path).map_err(Error::msg)?;
+        return identify(arguments, &folder, missing, None);
     };
     let folder = output::to_folder(&arguments.out)?;
     output::not_over(&path, &inputs(arguments))?;
     arguments.overwrite.of(&path, UNIT.1)?;
     let mut run = Run::new(&arguments.out, unit, TOOL.to_owned());
-    let fit = opened.and_then(|()| identify(arguments, &folder, Some(&mut run)));
+    let fit = opened.and_then(|missing| identify(arguments, &folder, missing, Some(&mut run)));
     let (exit_code, error) = match &fit {
         Ok(fit) => (u8::from(!fit), None),
         Err(error) => (2, Some(remedy::sentence(error.as_ref()))),
@@ -101,23 +101,19 @@ pub fn run(arguments: &mut Identify) -> Result<bool> {
     }
 }
 
-/// Refuses a folder that has a unit's file, or one that may be: what it says would be of tables that are gone.
-fn of_no_unit(path: &Path) -> Result<()> {
-    let remedy = "name another folder with --out";
-    match Unit::read(path) {
-        Err(UnitError::Missing { .. }) => Ok(()),
-        Ok(Unit { unit, .. }) => bail!("{}: says what came of {unit}: add --unit, or {remedy}", path.display()),
-        Err(error) => bail!("{error}: {remedy}"),
-    }
-}
-
 /// The files that the command reads.
 fn inputs(arguments: &Identify) -> Vec<&Path> {
     arguments.fitting.logs.iter().chain(&arguments.fitting.validate_on).map(PathBuf::as_path).collect()
 }
 
-/// Identifies, with a unit's run told of it where it is one; whether the table is to be used.
-fn identify(arguments: &mut Identify, folder: &Held, mut run: Option<&mut Run>) -> Result<bool> {
+/// Identifies from a session of which something may be missing, with a unit's run told of it where it is one; whether
+/// the table is to be used.
+fn identify(
+    arguments: &mut Identify,
+    folder: &Held,
+    missing: Option<String>,
+    mut run: Option<&mut Run>,
+) -> Result<bool> {
     let inputs = inputs(arguments);
     for (name, known_by) in FACES.into_iter().chain([("report.html", PAGE), ("estimate.svg", PICTURE)]) {
         output::not_over(&arguments.out.join(name), &inputs)?;
@@ -155,6 +151,7 @@ fn identify(arguments: &mut Identify, folder: &Held, mut run: Option<&mut Run>) 
         prediction_interval::with_interval(outcome, &job.search, arguments.devices, || bar.inc(1))?;
     bar.finish_and_clear();
     findings::doubt_interval(&mut outcome);
+    findings::doubt_session(&mut outcome, missing);
     let training: Vec<_> = outcome.learnt_from().training().collect();
     let determination = identifiability::determination(&outcome.learnt.candidate.table, &training);
     let determined = remedy::determination(determination.as_ref());

@@ -106,7 +106,7 @@ pub fn run(arguments: &Install) -> Result<bool> {
         let refused: Vec<String> =
             narrow.filter(|_| !may).into_iter().chain(busy).chain(refusals).chain(doubted.refused()).collect();
         tell(arguments, &(&name, &table, &doubts), &identity, Err(&refused))?;
-        return Ok(true);
+        return Ok(refused.is_empty());
     }
     // A jump, which the last of them may be, is what is said of a table that the device would take.
     doubted.ask(|| {

@@ -71,12 +71,12 @@ pub fn run(arguments: &Prove) -> Result<bool> {
     let proof =
         Proof { wiring: &wiring, range, up_to_hz, duration_s, seed, max_percent, log: &log, interrupt: &interrupt };
     if arguments.dry_run {
-        let said = foresee(&mut client, &proof)?;
+        let (said, refused) = (foresee(&mut client, &proof)?, Vec::from_iter(busy));
         match arguments.json {
-            true => out(&serde_json::to_string_pretty(&json!({ "would": said, "refused": Vec::from_iter(busy) }))?),
+            true => out(&serde_json::to_string_pretty(&json!({ "would": said, "refused": refused }))?),
             false => said.iter().for_each(|line| out(&format!("- {line}"))),
         }
-        return Ok(true);
+        return Ok(refused.is_empty());
     }
     let free = !log.exists();
     let bar = progress((duration_s / wiring.line().sample_period::<f64>()) as u64);

@@ -77,5 +77,5 @@ pub fn run(arguments: &Push) -> Result<bool> {
         out(&format!("{called} is stored on {}", identity.board));
         out(&format!("It is used from the next reset on: piezo reset --port {}", arguments.port.port));
     }
-    Ok(true)
+    Ok(refused.is_empty())
 }

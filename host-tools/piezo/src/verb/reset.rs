@@ -45,5 +45,5 @@ pub fn run(arguments: &Reset) -> Result<bool> {
         };
         out(&format!("{} {is}; its table{which} is {}", identity.board, words::source(&identity.source)));
     }
-    Ok(true)
+    Ok(refused.is_empty())
 }

@@ -85,30 +85,17 @@ pub fn run(arguments: &Train) -> Result<bool> {
     });
     bar.finish_and_clear();
     note_damage(&client);
+    let stranded = || remedy::stranded(&arguments.out, &arguments.port.port);
     let trained = trained.map_err(|error| match error {
         error @ BenchError::FormerKept { .. } => error.into(),
-        error if arguments.out.join(FORMER).exists() => anyhow!(error).context(stranded(arguments)),
+        error if arguments.out.join(FORMER).exists() => anyhow!(error).context(stranded()),
         error => error.into(),
     })?;
     tell(arguments, &trained)?;
     // It is said before what hinders the way home, which is what the user must know last.
     let complete = trained.complete();
-    trained.home.with_context(|| stranded(arguments))?;
+    trained.home.with_context(stranded)?;
     Ok(complete)
-}
-
-/// What is to be done where the table of before is not in use again.
-fn stranded(arguments: &Train) -> String {
-    let former = arguments.out.join(FORMER);
-    let port = &arguments.port.port;
-    match former.exists() {
-        true => format!(
-            "the table of before is not in use again; {} holds it: piezo push {} --reset --port {port}",
-            former.display(),
-            remedy::quoted(&former.display().to_string())
-        ),
-        false => format!("the device was not seen to come to rest; once it answers, see: piezo info --port {port}"),
-    }
 }
 
 fn tell(arguments: &Train, trained: &Trained) -> Result<()> {
