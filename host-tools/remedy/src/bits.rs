@@ -98,4 +98,17 @@ mod tests {
         assert!(Faults::all().iter().all(|bit| FAULTS.iter().any(|(other, _)| *other == bit)));
         assert!(Status::all().iter().all(|bit| STATUS.iter().any(|(other, _)| *other == bit)));
     }
+
+    #[test]
+    fn the_book_s_tables_of_bits_are_what_is_said_of_them() {
+        let book = include_str!("../../../book/src/errors.md");
+        let row = |name: &str, Meaning { what, remedy }: Meaning| format!("| `{name}` | {what} | {remedy} |\n");
+        let of_faults = Faults::all().iter_names().flat_map(|(name, bit)| faults(bit).map(move |of| row(name, of)));
+        let of_status = Status::all().iter_names().flat_map(|(name, bit)| status(bit).map(move |of| row(name, of)));
+        let rows: Vec<String> = of_faults.chain(of_status).collect();
+        assert_eq!(rows.len(), FAULTS.len() + STATUS.len());
+        for row in rows {
+            assert!(book.contains(&row), "book/src/errors.md lacks the row\n{row}");
+        }
+    }
 }

@@ -33,7 +33,7 @@ pub enum Command {
     Identify,
     /// `piezo identify --as-judged` of the measured log.
     AsJudged,
-    /// `piezo validate` of that table on the same log.
+    /// `piezo validate` of that table on the half of the same log that it was not learnt from.
     Validate,
     /// The same, zeroed as the held-out half begins.
     SameDay,
@@ -150,7 +150,7 @@ fn run(sh: &Shell, piezo: &Path, demo: &Path, command: Command) -> Result<Value>
     let printed = match command {
         Command::Identify => json(cmd!(sh, "{piezo} identify {LOG} --out {demo}")),
         Command::AsJudged => json(cmd!(sh, "{piezo} identify {LOG} --as-judged --out").arg(half(demo))),
-        Command::Validate => validated(sh, piezo, &half(demo), LOG, &[]),
+        Command::Validate => validated(sh, piezo, &half(demo), LOG, &["--from", "20.1"]),
         Command::SameDay => validated(sh, piezo, &half(demo), LOG, &["--zero-at", "20.1"]),
         Command::OtherDay => validated(sh, piezo, demo, OTHER_DAY, &["--zero-at", "24"]),
         Command::OtherDayUnzeroed => validated(sh, piezo, demo, OTHER_DAY, &[]),
@@ -171,8 +171,8 @@ fn half(demo: &Path) -> PathBuf {
 }
 
 /// What `piezo validate` prints of the identified table and a log.
-fn validated(sh: &Shell, piezo: &Path, demo: &Path, log: &str, zero: &[&str]) -> Result<Value> {
-    json(cmd!(sh, "{piezo} validate").arg(demo.join("table.toml")).arg(log).args(zero))
+fn validated(sh: &Shell, piezo: &Path, demo: &Path, log: &str, scope: &[&str]) -> Result<Value> {
+    json(cmd!(sh, "{piezo} validate").arg(demo.join("table.toml")).arg(log).args(scope))
 }
 
 /// What the firmware makes of faults of the signal, with the identified table on the board's converters.

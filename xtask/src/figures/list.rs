@@ -35,7 +35,7 @@ pub struct Figure {
 const OF_CYCLES: f64 = 0.03;
 
 /// Every figure of the documents.
-pub const FIGURES: [Figure; 18] = [
+pub const FIGURES: [Figure; 20] = [
     Figure {
         name: "picture",
         file: Some("book/src/estimate.svg"),
@@ -46,8 +46,12 @@ pub const FIGURES: [Figure; 18] = [
     stated("held-out-in-short", |printed| held_out_in_short(&*printed.by(Identify)?)),
     stated("settled-after-s", |printed| value(printed, Validate, "/logs/0/cold/settled_after_s", 2)),
     stated("settled-mae-um", |printed| value(printed, Validate, "/logs/0/cold/settled/mae_um", 3)),
+    stated("cold-mae-um", |printed| value(printed, Validate, "/logs/0/cold/all/mae_um", 2)),
     stated("told-mae-um", |printed| value(printed, Validate, "/all/sil/mae_um", 3)),
     stated("other-day-unzeroed-um", |printed| value(printed, OtherDayUnzeroed, "/all/sil/mae_um", 2)),
+    stated("other-day-without-offset-um", |printed| {
+        value(printed, OtherDayUnzeroed, "/all/sil/mae_without_offset_um", 2)
+    }),
     stated("interval", intervals),
     stated("signal", |printed| signal(&*printed.by(SignalFaults)?)),
     stated("dividers", |printed| dividers(&*printed.by(Resistors)?)),
@@ -137,7 +141,7 @@ fn intervals(printed: &Printed<'_>) -> Result<Content> {
         "RMS µm without offset",
         "± µm, mean",
         "holds the sensor, % of the time",
-        "constant that holds as often, µm",
+        "a fixed ± that would hold as often, µm",
     ];
     table(1, &columns, rows.into_iter().map(row))
 }
