@@ -47,6 +47,8 @@ fn output_safe() {
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
     cortex_m::interrupt::disable();
+    // From here on a crystal that stops is no failure of its own, which would end this one before the output is safe.
+    RESTING.store(true, Relaxed);
     // A second panic is one of these steps themselves, as of a log that the first has come amid: it says nothing more.
     if !PANICS.swap(true, Relaxed) {
         output_safe();
@@ -72,10 +74,10 @@ unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
 /// steps that are left are as long as before, by [`clocks::core_hz`].
 ///
 /// Flash words that a power cut left half-written cannot be corrected; reading one raises this. What was read is
-/// garbage, which the parameter store's checksums refuse. Whose word it was is told by who reads: the bit that names
-/// bank 2, where the store is, may be wrong after a power cut amid a write (an erratum of this family), and a panic
-/// would then come back at every start. The store is read in thread mode only: a word that an interrupt's handler has
-/// met is code, and the run ends.
+/// garbage, which the parameter store's checksums refuse. Whose word it was is told by who reads, beside the bit that
+/// names bank 2, where the store is: that may be missing after a power cut amid a write (an erratum of this family), and
+/// a panic would then come back at every start. The store is read in thread mode only: a word that an interrupt's
+/// handler has met is code, whatever the bit says, and the run ends.
 #[exception]
 unsafe fn NonMaskableInt() {
     if clocks::crystal_stopped() {
@@ -85,7 +87,7 @@ unsafe fn NonMaskableInt() {
         panic!("the crystal has stopped");
     }
     let state = pac::FLASH.eccr().read();
-    let of_store = state.bk_ecc() || READING_STORE.load(Relaxed) && interrupts_thread();
+    let of_store = interrupts_thread() && (state.bk_ecc() || READING_STORE.load(Relaxed));
     if !(state.eccd() && of_store) {
         panic!("non-maskable interrupt, flash ECC state {:#010x}", state.0);
     }
