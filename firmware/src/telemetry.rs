@@ -3,6 +3,7 @@
 //! interrupts the tick: plain loads and stores are enough.
 
 mod bias;
+mod maybe;
 mod rest;
 
 use crate::correction::Given;
@@ -13,6 +14,7 @@ use crate::supply::{Measured, Supply};
 use bias::Bias;
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU16, AtomicU32, Ordering::Relaxed};
 use estimator_core::{AdcCode, Status};
+use maybe::Maybe;
 use protocol::{Faults, Mode};
 
 /// Counters and latches of the tick.
@@ -20,8 +22,8 @@ use protocol::{Faults, Mode};
 pub struct Telemetry {
     /// Ticks since start.
     pub ticks: AtomicU32,
-    /// What that was when the main loop said last that it goes on, and one more; 0 where it never did.
-    beaten: AtomicU32,
+    /// What that was when the main loop said last that it goes on; none where it never did.
+    beaten: Maybe,
     /// Cycles that the last tick took.
     pub cycles_last: AtomicU32,
     /// The most that one took.
@@ -48,6 +50,8 @@ pub struct Telemetry {
     pub dropped: AtomicU32,
     /// The last tick was not done in time for its output.
     pub overdue: AtomicBool,
+    /// Ticks come so late, or so seldom, that the output is the safe one.
+    pub(crate) late: AtomicBool,
     /// The DAC's code of the last tick.
     dac: AtomicU16,
     /// Its safe one, and how fast it may go there.
@@ -77,8 +81,8 @@ pub struct Telemetry {
     pub supply: Supply,
     /// What the DAC is given for its codes, which is another than they are where the supply is off.
     pub given: Given,
-    /// The set-point's code, and one more; 0 where there is none.
-    setpoint: AtomicU32,
+    /// The set-point's code, where there is one.
+    setpoint: Maybe,
     /// What is added to the model's displacement, and since when.
     pub bias: Bias,
     faults: AtomicU16,
@@ -107,7 +111,7 @@ impl Telemetry {
     pub const fn new() -> Self {
         Self {
             ticks: AtomicU32::new(0),
-            beaten: AtomicU32::new(0),
+            beaten: Maybe::none(),
             cycles_last: AtomicU32::new(0),
             cycles_max: AtomicU32::new(0),
             missed: AtomicU32::new(0),
@@ -121,6 +125,7 @@ impl Telemetry {
             triggers_ignored: AtomicU32::new(0),
             dropped: AtomicU32::new(0),
             overdue: AtomicBool::new(false),
+            late: AtomicBool::new(false),
             dac: AtomicU16::new(0),
             safe: AtomicU16::new(0),
             stride: AtomicU32::new(Stride::JUMP.get()),
@@ -136,7 +141,7 @@ impl Telemetry {
             stopped: AtomicBool::new(false),
             supply: Supply::new(),
             given: Given::new(),
-            setpoint: AtomicU32::new(0),
+            setpoint: Maybe::none(),
             bias: Bias::new(),
             faults: AtomicU16::new(0),
             faults_seen: AtomicU16::new(0),
@@ -152,14 +157,13 @@ impl Telemetry {
 
     /// The main loop goes on. Once it has said so, it must go on saying so.
     pub fn beat(&self) {
-        self.beaten.store(self.ticks.load(Relaxed).wrapping_add(1), Relaxed);
+        self.beaten.set(Some(self.ticks.load(Relaxed)));
     }
 
     /// Whether the main loop has stood still for [`STALLED`], seen by a tick, which has been counted.
     #[inline]
     pub(crate) fn stalled(&self) -> bool {
-        let beaten = self.beaten.load(Relaxed);
-        beaten != 0 && self.ticks.load(Relaxed).wrapping_sub(beaten) >= STALLED
+        self.beaten.get().is_some_and(|beaten| self.ticks.load(Relaxed).wrapping_sub(beaten) > STALLED)
     }
 
     /// How many cycles a tick took, entry to exit, and whether it was done in time for its output. The board's
@@ -179,12 +183,12 @@ impl Telemetry {
     /// no such channel.
     pub fn setpoint(&self) -> Option<AdcCode> {
         // The code of a u16.
-        self.setpoint.load(Relaxed).checked_sub(1).map(|code| AdcCode(code as u16))
+        self.setpoint.get().map(|code| AdcCode(code as u16))
     }
 
     #[inline]
     pub(crate) fn set_setpoint(&self, code: Option<AdcCode>) {
-        self.setpoint.store(code.map_or(0, |AdcCode(code)| u32::from(code) + 1), Relaxed);
+        self.setpoint.set(code.map(|AdcCode(code)| code.into()));
     }
 
     /// What is wrong now.

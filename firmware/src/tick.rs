@@ -48,6 +48,8 @@ pub struct Tick<'q> {
     decimation: Streamed,
     /// Cycle counter at the last tick.
     last: Option<u32>,
+    /// An emulated board is as late as its host: however long a gap in its ticks, it is one odd tick.
+    emulated: bool,
     valid: bool,
     /// The estimate of what the ADC reads has been told its displacement.
     told: bool,
@@ -67,6 +69,7 @@ impl<'q> Tick<'q> {
         let (period, adc_full_scale) = (facts.cycles_per_tick, facts.interface.adc_full_scale);
         let (mode, watch, number, last) = (Mode::default(), Watch::new(adc_full_scale), 0, None);
         let (decimation, valid, player) = (Streamed::default(), false, Player::new(points, telemetry));
+        let emulated = facts.emulated;
         let mut tick = Self {
             startup,
             queues,
@@ -78,6 +81,7 @@ impl<'q> Tick<'q> {
             number,
             decimation,
             last,
+            emulated,
             valid,
             told: false,
             player,
@@ -125,6 +129,7 @@ impl<'q> Tick<'q> {
         };
         let faults = if self.mode.measures() { faults } else { faults | self.idle(monitor, missed, faults) };
         self.telemetry.set_faults(faults);
+        self.telemetry.late.store(self.watch.late(), Relaxed);
         self.valid = faults.is_empty();
         given
     }
@@ -134,12 +139,12 @@ impl<'q> Tick<'q> {
     #[cold]
     #[inline(never)]
     fn idle(&mut self, monitor: AdcCode, missed: Option<u32>, faults: Faults) -> Faults {
-        let (status, missed, astray) = (Status::empty(), missed.is_some(), false);
+        let (status, missed, astray) = (Status::empty(), self.odd(missed), false);
         self.watch.update(Seen { monitor, setpoint: None, status, missed, astray, others: faults & OTHERS }).lasting()
     }
 
-    /// Whether the last tick's code is the estimate's, or follows a reference, and nothing was wrong with the tick, a
-    /// zero that is lost included. Where it is, the board shows so by an edge of a pin, which dies with the tick.
+    /// Whether the last tick's code is the estimate's, or follows a reference, with no fault set; a zero that is lost
+    /// is one. Where it is, the board shows so by an edge of a pin, which dies with the tick.
     pub fn valid(&self) -> bool {
         self.valid
     }
@@ -216,7 +221,7 @@ impl<'q> Tick<'q> {
         self.number = self.number.wrapping_add(missed.unwrap_or(0));
         let drive = self.startup.drive.as_ref().filter(|_| self.mode.drives());
         let astray = drive.is_some_and(|drive| drive.astray(corrected.monitor));
-        let missed = missed.is_some();
+        let missed = self.odd(missed);
         // Codes as they were read show the converter's ends, and whether it stands still.
         let state = self.watch.update(Seen { monitor, setpoint, status, missed, astray, others: faults & OTHERS });
         if let FaultState::Recovered(lasted) = state
@@ -226,6 +231,11 @@ impl<'q> Tick<'q> {
             self.restart();
         }
         (faults | state.lasting(), state == FaultState::Healthy && !faults.intersects(Faults::UNSAFE))
+    }
+
+    /// How many ticks are odd where this one is late, and so many before it are missing.
+    fn odd(&self, missed: Option<u32>) -> u32 {
+        missed.map_or(0, |lost| if self.emulated { 1 } else { lost.saturating_add(1) })
     }
 
     fn stream(&mut self, sample: Sample) {

@@ -2,6 +2,7 @@
 //!
 //! One odd tick is a status bit in its sample. A fault is a leaky bucket that is full: an odd tick adds [`ODD`], a good
 //! one takes 1 away, so that a voltage that is clipped for a fifth of the time is found as well as one that always is.
+//! A tick that did not come is an odd one.
 //! A fault lasts until [`HOLD`] ticks after the last cause, so that the output does not flicker between safe and wrong.
 
 use crate::rate::{TICK_HZ, ticks_in};
@@ -21,7 +22,8 @@ pub const SETPOINT_STUCK: u32 = 10 * TICK_HZ;
 pub const OUT_OF_RANGE: u32 = TICK_HZ;
 /// Odd ticks in a row, with the amplifier not where the drive commands it, that are a fault: 100 ms.
 pub const ASTRAY: u32 = ticks_in(100);
-/// Late or missed ticks in a row that are a fault of the output too: 10 ms. One alone costs the estimate one step.
+/// Late or missed ticks in a row that are a fault of the output too: 10 ms, in one gap or in many. One alone costs the
+/// estimate one step.
 pub const MISSED: u32 = ticks_in(10);
 /// How long a fault outlasts its cause: 1 s.
 pub const HOLD: u32 = TICK_HZ;
@@ -85,8 +87,8 @@ pub struct Seen {
     pub setpoint: Option<AdcCode>,
     /// The estimate's status.
     pub status: Status,
-    /// The tick came late, or others did not come.
-    pub missed: bool,
+    /// Ticks that came late or not at all: this one, and those before it that are missing.
+    pub missed: u32,
     /// The amplifier is not where the drive commands it.
     pub astray: bool,
     /// The faults that others have found.
@@ -108,7 +110,17 @@ pub struct Watch {
 /// Whether a score has reached its limit.
 #[inline]
 pub(crate) fn score(score: &mut u32, odd: bool, limit: u32) -> bool {
-    *score = if odd { (*score + ODD).min(ODD * limit) } else { score.saturating_sub(1) };
+    score_of(score, u32::from(odd), limit)
+}
+
+/// The same of several odd ticks at once.
+#[inline]
+fn score_of(score: &mut u32, odd: u32, limit: u32) -> bool {
+    *score = match odd {
+        0 => score.saturating_sub(1),
+        // No more than the limit count, so that this fits.
+        _ => (*score + ODD * odd.min(limit)).min(ODD * limit),
+    };
     *score >= ODD * limit
 }
 
@@ -138,6 +150,11 @@ impl Watch {
         }
     }
 
+    /// Whether ticks come so late, or so seldom, that it is a fault.
+    pub fn late(&self) -> bool {
+        self.found.contains(Faults::MISSED_DEADLINE)
+    }
+
     /// Whether nothing lasts that an estimate [`suffers`] from.
     pub fn sound(&self) -> bool {
         !suffers(self.found)
@@ -157,7 +174,7 @@ impl Watch {
             let (saturated, stuck) = self.setpoint.update(code);
             now.set(Faults::SETPOINT, saturated || stuck);
         }
-        now.set(Faults::MISSED_DEADLINE, score(&mut self.missed, missed, MISSED));
+        now.set(Faults::MISSED_DEADLINE, score_of(&mut self.missed, missed, MISSED));
         now.set(Faults::AMPLIFIER, score(&mut self.astray, astray, ASTRAY));
         if !now.is_empty() {
             self.found |= now;
@@ -216,7 +233,7 @@ mod tests {
     }
 
     fn seen((monitor, status, missed, astray): (AdcCode, Status, bool, bool)) -> Seen {
-        Seen { monitor, setpoint: None, status, missed, astray, others: Faults::empty() }
+        Seen { monitor, setpoint: None, status, missed: missed.into(), astray, others: Faults::empty() }
     }
 
     /// The same of ticks of which more is seen.
@@ -256,6 +273,19 @@ mod tests {
         assert_eq!(life(|k| (moving(k), GOOD, false, true)), (ASTRAY, Faults::AMPLIFIER, HOLD));
         let stuck = life(|_| (AdcCode(7_000), GOOD, false, false));
         assert_eq!(stuck, (STUCK + 1, Faults::ADC_STUCK, HOLD), "the first code is no repetition");
+    }
+
+    #[test]
+    fn a_gap_in_the_ticks_is_as_long_a_fault_as_ticks_that_are_late_for_as_long() {
+        let gap = |missed: u32| {
+            let mut watch = Watch::new(FULL);
+            let missing = Seen { missed, ..seen((moving(0), GOOD, false, false)) };
+            (watch.update(missing), watch.late())
+        };
+        assert_eq!(gap(MISSED - 1), (FaultState::Healthy, false));
+        for missed in [MISSED, u32::MAX] {
+            assert_eq!(gap(missed), (FaultState::Faulty(Faults::MISSED_DEADLINE), true));
+        }
     }
 
     #[test]

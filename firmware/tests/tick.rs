@@ -2,14 +2,15 @@
 
 mod common;
 
-use common::{LinkEnd, PERIOD, SAFE, compiled, driving, tick, triangle};
+use common::{FACTS, LinkEnd, PERIOD, SAFE, compiled, driving, started_on, tick, triangle};
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, Estimator, Status};
-use firmware::Conversion;
 use firmware::queues::Command;
+use firmware::startup::Startup;
 use firmware::supply::Measured;
 use firmware::telemetry::STALLED;
 use firmware::watch::{HOLD, OUT_OF_RANGE, SATURATED, STUCK};
+use firmware::{Conversion, Facts};
 use protocol::{Faults, Mode};
 
 #[test]
@@ -76,6 +77,25 @@ fn missed_ticks_are_counted_and_said_and_skipped_in_the_numbers() {
     link.telemetry.took(50, false);
     tick.sample(moving(2).into(), now.wrapping_add(2 * PERIOD));
     assert_eq!(link.telemetry.missed.load(Relaxed), 1, "a tick that was not done in time");
+}
+
+/// The estimate is stale by then, and the zero that was told is lost with it.
+#[test]
+fn a_gap_of_20_ms_is_a_fault_for_a_second_unless_the_board_is_emulated() {
+    for emulated in [false, true] {
+        let facts = Facts { emulated, ..FACTS };
+        let (mut tick, link) = started_on(&facts, Startup::new(Some(&compiled()), &facts, Faults::empty()));
+        let mut now = 0u32;
+        let mut after = |periods: u32| {
+            now = now.wrapping_add(periods * PERIOD);
+            tick.sample(moving(now / PERIOD).into(), now);
+            link.telemetry.faults()
+        };
+        assert_eq!(after(1), Faults::empty());
+        assert_eq!(after(40).contains(Faults::SAFE_OUTPUT), !emulated);
+        let lasting = (0..3_000).take_while(|_| after(1).contains(Faults::SAFE_OUTPUT)).count();
+        assert_eq!(lasting, if emulated { 0 } else { HOLD as usize });
+    }
 }
 
 /// A code in the middle of the range that does not stand still.

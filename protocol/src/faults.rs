@@ -53,7 +53,9 @@ bitflags::bitflags! {
 
 impl Faults {
     /// The faults that send the DAC to its safe value. With a table that is not the one stored, or nobody's here,
-    /// nobody knows what the DAC is wired to. A zero that is lost moves no output.
+    /// nobody knows what the DAC is wired to. A zero that is lost moves no output. [`Faults::MISSED_DEADLINE`] is not
+    /// among them: of one late tick it says so, too, which moves none; where ticks are late for 10 ms it comes with
+    /// [`Faults::SAFE_OUTPUT`].
     pub const UNSAFE: Self = Self::ADC_SATURATED
         .union(Self::ADC_STUCK)
         .union(Self::OUT_OF_CALIBRATION)

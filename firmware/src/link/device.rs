@@ -15,7 +15,7 @@ use embassy_time::{Duration, Instant, Timer};
 use embedded_storage_async::nor_flash::NorFlash;
 use estimator_core::{AdcCode, DriveCalibration};
 use parameter_store::ParameterStore;
-use protocol::{Codes, Faults, Mode, References, Refusal, Reply, Request, Text, text};
+use protocol::{Codes, Faults, LastWords, Mode, References, Refusal, Reply, Request, text};
 
 /// How long a change of mode may take; it happens at the next tick.
 pub(super) const OBEYED: Duration = Duration::from_millis(20);
@@ -44,7 +44,7 @@ pub struct Device<'q, F: NorFlash> {
     /// The table in use, where it comes from, and what speaks against it.
     pub chosen: Chosen,
     /// The last run's message.
-    pub(super) last_words: Option<Text<160>>,
+    pub(super) last_words: Option<LastWords>,
     /// The parameter store.
     pub store: ParameterStore<F>,
     /// What the tick leaves to read.
@@ -90,7 +90,7 @@ impl<'q, F: NorFlash> Device<'q, F> {
         chip: &'q dyn Chip,
         memory: Memory<'q>,
         chosen: Chosen,
-        last_words: Option<Text<160>>,
+        last_words: Option<LastWords>,
         store: ParameterStore<F>,
         LinkEnd { queues, points, telemetry }: LinkEnd<'q>,
     ) -> Self {
@@ -209,6 +209,9 @@ impl<F: NorFlash> Device<'_, F> {
     }
 
     /// Changes what the tick does, which takes a tick.
+    ///
+    /// # Errors
+    /// The table or the board does not have what the mode needs, a fault hinders it, or no tick has come to obey.
     pub async fn set_mode(&mut self, mode: Mode) -> Result<(), Refusal> {
         match (mode, self.drive()) {
             (Mode::Waveform, _) => return Err(Refusal::NotByMode),
@@ -226,7 +229,9 @@ impl<F: NorFlash> Device<'_, F> {
         if mode.drives() && self.drive().is_none() {
             return Err(Refusal::NoDrive);
         }
-        if self.telemetry.faults().intersects(Faults::against(mode)) {
+        // Of ticks that are late one alone hinders nothing.
+        let late = mode.drives() && self.telemetry.late.load(Relaxed);
+        if late || self.telemetry.faults().intersects(Faults::against(mode)) {
             return Err(Refusal::Faulty);
         }
         let epoch = self.telemetry.epoch.load(Relaxed);

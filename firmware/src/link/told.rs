@@ -52,6 +52,9 @@ impl<F: NorFlash> Device<'_, F> {
 
     /// Calls the displacement of now 0, for somebody beside the actuator: that of fed codes is none of it, and is told
     /// by who feeds them alone.
+    ///
+    /// # Errors
+    /// Nothing is estimated of the ADC, the last voltage is not to be believed, or no tick has come to obey.
     pub async fn zero(&mut self) -> Result<(), Refusal> {
         if !self.telemetry.mode().measures() {
             return Err(Refusal::NotEstimating);

@@ -1,5 +1,6 @@
 //! What is added to the model's displacement, by a displacement that was told, and how long that is ago.
 
+use super::maybe::Maybe;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// The bias of the estimate; only the tick writes it.
@@ -7,14 +8,14 @@ use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 pub struct Bias {
     /// Bits of it, µm.
     um: AtomicU32,
-    /// Ticks since it was told, and one more; 0 where it was not since the estimate began.
-    told: AtomicU32,
+    /// Ticks since it was told; none where it was not since the estimate began.
+    age: Maybe,
 }
 
 impl Bias {
     /// Nothing was told yet.
     pub const fn new() -> Self {
-        Self { um: AtomicU32::new(0), told: AtomicU32::new(0) }
+        Self { um: AtomicU32::new(0), age: Maybe::none() }
     }
 
     /// µm; 0 where nothing was told.
@@ -25,21 +26,20 @@ impl Bias {
     /// Ticks since it was told, at most [`protocol::Health::OLDEST_BIAS_TICKS`]; `None` where it was not since
     /// the estimate began.
     pub fn age_ticks(&self) -> Option<u32> {
-        self.told.load(Relaxed).checked_sub(1)
+        self.age.get()
     }
 
     /// It (µm) was told at this tick; without one, the estimate has begun anew.
     pub(crate) fn set(&self, told_um: Option<f32>) {
         self.um.store(told_um.unwrap_or(0.0).to_bits(), Relaxed);
-        self.told.store(u32::from(told_um.is_some()), Relaxed);
+        self.age.set(told_um.map(|_| 0));
     }
 
     /// A tick has passed since it was told, where it was.
     #[inline]
     pub(crate) fn age(&self) {
-        let told = self.told.load(Relaxed);
-        if told > 0 {
-            self.told.store(told.saturating_add(1), Relaxed);
+        if let Some(ticks) = self.age.get() {
+            self.age.set(Some(ticks + 1));
         }
     }
 }
@@ -55,7 +55,7 @@ mod tests {
         bias.age();
         assert_eq!(bias.age_ticks(), None, "what was never told does not age");
         bias.set(Some(0.5));
-        bias.told.store(u32::MAX - 1, Relaxed);
+        bias.age.set(Some(Health::OLDEST_BIAS_TICKS - 1));
         for _ in 0..3 {
             bias.age();
             assert_eq!(bias.age_ticks(), Some(Health::OLDEST_BIAS_TICKS));

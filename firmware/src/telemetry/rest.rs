@@ -23,7 +23,7 @@ impl Telemetry {
         self.given.of(self.safe())
     }
 
-    /// The way from what the DAC has been given to what it is given for its safe code.
+    /// The ramp from what the DAC has been given to its safe output, a step a tick.
     pub fn ramp(&self, from: DacParts) -> Ramp {
         Ramp::new(from, self.safe_given(), self.stride_given())
     }

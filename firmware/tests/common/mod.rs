@@ -96,10 +96,15 @@ pub fn tick(table: Option<&Admitted>, faults: Faults) -> (Tick<'static>, LinkEnd
 
 /// A tick that starts so.
 pub fn started(startup: Startup) -> (Tick<'static>, LinkEnd) {
+    started_on(&FACTS, startup)
+}
+
+/// The same on a board of these facts.
+pub fn started_on(facts: &Facts, startup: Startup) -> (Tick<'static>, LinkEnd) {
     let (tick_queues, queues) = Box::leak(Box::new(Queues::new())).split();
     let telemetry: &'static Telemetry = Box::leak(Box::new(Telemetry::new()));
     let points: &'static Points = Box::leak(Box::new(Points::new()));
-    (Tick::new(startup, &FACTS, tick_queues, points, telemetry), LinkEnd { queues, telemetry, points })
+    (Tick::new(startup, facts, tick_queues, points, telemetry), LinkEnd { queues, telemetry, points })
 }
 
 /// A code that goes up and down over most of the range.

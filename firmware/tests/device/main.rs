@@ -10,7 +10,7 @@ mod tables;
 mod waveform;
 
 use bench::{Bench, TICKS, push};
-use common::{compiled, driving, other, record, tick};
+use common::{PERIOD, compiled, driving, other, record, tick, triangle};
 use core::sync::atomic::{AtomicBool, AtomicU16, Ordering::Relaxed};
 use embassy_futures::block_on;
 use estimator_core::interval::{PLAYS, TRIANGLE};
@@ -173,6 +173,27 @@ fn health_has_the_bias_and_its_age() {
     assert_eq!(bias(&mut bench).0, 1.5, "the estimate goes on");
     assert_eq!(bench.ask(Request::SetMode(Mode::Pause)), Reply::Done);
     assert_eq!(bias(&mut bench), (0.0, None));
+}
+
+#[test]
+fn no_drive_begins_while_ticks_go_on_being_late_and_one_late_tick_hinders_none() {
+    let (mut tick, link) = tick(Some(&driving()), Faults::empty());
+    let mut bench = Bench::still(Some(driving()), link);
+    let mut now = 0u32;
+    let mut after = |periods: u32| {
+        now = now.wrapping_add(periods * PERIOD);
+        tick.sample(triangle(now / PERIOD).into(), now);
+    };
+    after(1);
+    after(2);
+    assert_eq!(bench.device.telemetry.faults(), Faults::MISSED_DEADLINE | Faults::SAFE_OUTPUT, "it drives nothing yet");
+    // Nobody obeys here: it is taken, at least.
+    assert_eq!(bench.ask(Request::SetMode(Mode::Follow)), Reply::Refused(Refusal::Busy));
+    // A gap of 20 ms.
+    after(40);
+    after(1);
+    assert!(bench.device.telemetry.faults().contains(Faults::MISSED_DEADLINE), "it lasts");
+    assert_eq!(bench.ask(Request::SetMode(Mode::Follow)), Reply::Refused(Refusal::Faulty));
 }
 
 #[test]
