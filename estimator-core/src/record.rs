@@ -43,6 +43,9 @@ impl Admitted {
 
 impl Table {
     /// Reads a record from the start of `bytes` and admits it. Never panics.
+    ///
+    /// # Errors
+    /// It is cut short, damaged, no table or of another version; or the table is not admitted.
     pub fn parse(bytes: &[u8]) -> Result<Admitted, TableError> {
         let have = bytes.len();
         let header = bytes.first_chunk::<HEADER>().ok_or(TableError::Truncated { need: HEADER, have })?;

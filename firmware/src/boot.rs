@@ -12,7 +12,7 @@ use estimator_core::record::MAX_LENGTH;
 use estimator_core::table::Interface;
 use estimator_core::{Admitted, Table};
 use parameter_store::{MAX_RECORD, ParameterStore};
-use protocol::{Faults, TableSource, Text, text};
+use protocol::{Faults, Reason, TableSource, text};
 
 // What is admitted can be stored.
 const _: () = assert!(MAX_LENGTH <= MAX_RECORD);
@@ -64,11 +64,11 @@ pub async fn choose<F: NorFlash>(store: &mut ParameterStore<F>, compiled: Table,
 
 /// Reads a record and checks that this board can run it; the reason is the end of a sentence that
 /// starts with "refused".
-pub fn parse(record: &[u8], board: &Interface) -> Result<Admitted, Text<120>> {
+pub fn parse(record: &[u8], board: &Interface) -> Result<Admitted, Reason> {
     fits(Table::parse(record).map_err(text)?, board)
 }
 
-fn fits(table: Admitted, board: &Interface) -> Result<Admitted, Text<120>> {
+fn fits(table: Admitted, board: &Interface) -> Result<Admitted, Reason> {
     table.fits(board).map_err(text)?;
     Ok(table)
 }

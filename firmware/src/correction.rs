@@ -52,7 +52,8 @@ fn within(code: i32, full_scale: u16) -> u16 {
     code.clamp(0, full_scale.into()) as u16
 }
 
-/// A step towards what a supply is off by: a 65,536th, so that no code moves by more than one for it.
+/// A step towards what a supply is off by: a 65,536th. A code moves by one at most for it, where its 0 V lie within the
+/// converter's range.
 #[inline]
 fn towards(now: i32, off: i32) -> i32 {
     now + (off - now).signum()
@@ -136,8 +137,8 @@ impl Given {
         self.short.store(supply.short(), Relaxed);
     }
 
-    /// One tick: goes towards what the supply is, and says what the DAC is given for what it would be at the supply it
-    /// is made for, and whether that is too little: the supply is too low for it.
+    /// One tick: steps the correction towards the supply, and returns what the DAC is given so that its pin has what
+    /// these parts are at the nominal supply, and whether the supply is too low for that.
     #[inline]
     pub(crate) fn tick(&self, supply: &Supply, DacParts(parts): DacParts) -> (DacParts, bool) {
         let (short, full_scale) = (towards(self.short.load(Relaxed), supply.short()), self.full_scale.load(Relaxed));

@@ -7,10 +7,10 @@ use core::fmt::Write;
 use core::mem::MaybeUninit;
 use core::panic::PanicInfo;
 use estimator_core::sealed::checksum;
-use protocol::{Text, text};
+use protocol::{LAST_WORDS, LastWords, text};
 
-/// Longest message, bytes.
-pub const LENGTH: usize = 160;
+/// Longest message, bytes: as many as are told.
+const LENGTH: usize = LAST_WORDS;
 
 /// A message with its checksum.
 #[derive(Clone, Copy)]
@@ -24,19 +24,19 @@ pub struct Words {
 impl Words {
     /// The start of a message, whole characters.
     pub fn new(message: impl core::fmt::Display) -> Self {
-        let text: Text<LENGTH> = text(message);
+        let text: LastWords = text(message);
         let mut bytes = [0; LENGTH];
         bytes[..text.len()].copy_from_slice(text.as_bytes());
         Self { length: text.len() as u32, checksum: checksum(text.as_bytes()), bytes }
     }
 
     /// The message, if it is whole.
-    pub fn read(&self) -> Option<Text<LENGTH>> {
+    pub fn read(&self) -> Option<LastWords> {
         let bytes = self.bytes.get(..usize::try_from(self.length).ok()?).filter(|bytes| !bytes.is_empty())?;
         if checksum(bytes) != self.checksum {
             return None;
         }
-        let mut text = Text::new();
+        let mut text = LastWords::new();
         text.write_str(core::str::from_utf8(bytes).ok()?).ok()?;
         Some(text)
     }
@@ -105,8 +105,8 @@ impl core::fmt::Display for PanicText<'_> {
 /// Takes the message of the last run, if it left one.
 ///
 /// # Safety
-/// Once, at boot, before interrupts and tasks.
-pub unsafe fn take() -> Option<Text<LENGTH>> {
+/// Once, before the tick and every task; no handler that returns may touch the place.
+pub unsafe fn take() -> Option<LastWords> {
     // SAFETY: by the caller's promise. Every bit pattern is a `Words`; whether it was written by `keep` is what
     // `read` finds out.
     let words = unsafe { PLACE.0.get().read_volatile().assume_init() };

@@ -9,7 +9,8 @@
 //! ```
 //!
 //! A board (`src/board/`) brings up its peripherals, hands them to [`run()`], and calls [`Tick::sample`] from the
-//! interrupt of its converter. It knows no logic; nothing here knows a register. The tick shares nothing with the rest
+//! interrupt of its converter. It knows no logic; nothing here knows a register but two of the core's, which a hard
+//! fault leaves ([`last_words`]). The tick shares nothing with the rest
 //! but single-producer single-consumer queues and atomics: it takes no lock and waits for nobody.
 #![cfg_attr(not(test), no_std)]
 

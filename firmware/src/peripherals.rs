@@ -3,7 +3,7 @@
 use crate::facts::Facts;
 use crate::restarts::Memory;
 use core::ops::Range;
-use protocol::Text;
+use protocol::LastWords;
 
 /// A board's peripherals, ready to be used; the tick is not running yet.
 pub struct Peripherals<'m, C, R, W, F, P, S> {
@@ -14,7 +14,7 @@ pub struct Peripherals<'m, C, R, W, F, P, S> {
     /// What this start leaves the next ones, where it has counted itself ([`Facts::restarts`]).
     pub memory: Memory<'m>,
     /// What the last run said before it ended in a panic or a fault.
-    pub last_words: Option<Text<160>>,
+    pub last_words: Option<LastWords>,
     /// The serial line, inbound.
     pub receiver: R,
     /// The serial line, outbound.

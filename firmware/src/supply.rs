@@ -110,13 +110,13 @@ impl Supply {
         self.bad.load(Relaxed)
     }
 
-    /// How far above [`MADE_FOR_MV`] it is, in 65,536ths of that; 0 where it was never measured to be good.
+    /// (V − V₀)/V₀ of the supply V and [`MADE_FOR_MV`] V₀, in 65,536ths; 0 where it was never measured to be good.
     #[inline]
     pub fn off(&self) -> i32 {
         coarse(&self.off)
     }
 
-    /// How far above it [`MADE_FOR_MV`] is, in 65,536ths of it; 0 likewise.
+    /// (V₀ − V)/V likewise.
     #[inline]
     pub fn short(&self) -> i32 {
         coarse(&self.short)

@@ -115,6 +115,9 @@ struct Newest {
 
 impl<F: NorFlash> ParameterStore<F> {
     /// A store in these bytes of the flash (offsets from its start): two of its pages.
+    ///
+    /// # Errors
+    /// They are not two whole pages, or the flash's words or pages are too small ([`StoreError::Layout`]).
     pub fn new(flash: F, pages: Range<u32>) -> Result<Self, StoreError> {
         let page = F::ERASE_SIZE as u32;
         let fits = pages.start.is_multiple_of(page) && pages.end.checked_sub(pages.start) == Some(2 * page);
@@ -147,6 +150,10 @@ impl<F: NorFlash> ParameterStore<F> {
     /// Writes a record, unless it is the newest: whoever asks twice keeps the one before. A power cut at any instant
     /// leaves the last record or this one. Where no record is used, since the newest has decayed or none is whole, and
     /// the one page is worn, it goes into the other.
+    ///
+    /// # Errors
+    /// The record is too long; the flash reports an error, and the last record is used as before; or the record is
+    /// stored and used, but the one before could not be marked as older ([`StoreError::NotMarked`]).
     pub async fn store(&mut self, record: &[u8]) -> Result<(), StoreError> {
         if record.len() > MAX_RECORD {
             return Err(StoreError::TooLong);

@@ -2,7 +2,7 @@
 
 use crate::faults::Faults;
 use crate::mode::Mode;
-use crate::text::Text;
+use crate::text::LastWords;
 use serde::{Deserialize, Serialize};
 
 bitflags::bitflags! {
@@ -39,7 +39,7 @@ pub struct Health {
     /// Causes of the last start.
     pub reset: ResetCause,
     /// What the firmware said before a panic or hard fault made it start again.
-    pub last_words: Option<Text<160>>,
+    pub last_words: Option<LastWords>,
     /// Processor cycles that the last tick took.
     pub cycles_last: u32,
     /// The most that one took.

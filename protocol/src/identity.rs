@@ -1,6 +1,6 @@
 //! Who the device is.
 
-use crate::text::Text;
+use crate::text::{Reason, Text};
 use crate::uid::Uid;
 use estimator_core::table::Interface;
 use serde::{Deserialize, Serialize};
@@ -13,14 +13,14 @@ pub enum TableSource {
     /// The firmware image, because the store had none that could be used.
     Compiled {
         /// Why the stored table is not used.
-        reason: Text<120>,
+        reason: Reason,
     },
     /// Neither had one that could be used.
     None {
         /// Why the stored table is not used.
-        stored: Text<120>,
+        stored: Reason,
         /// Why the image's table is not used either.
-        compiled: Text<120>,
+        compiled: Reason,
     },
 }
 

@@ -53,7 +53,7 @@ pub use message::{Codes, MOST_VALUES, Record, References, Reply, Request, ToDevi
 pub use mode::Mode;
 pub use refusal::Refusal;
 pub use sample::{Sample, Samples, stream_every};
-pub use text::{Text, text};
+pub use text::{LAST_WORDS, LastWords, Reason, Text, text};
 pub use uid::Uid;
 pub use waveform::{MOST_POINTS, Playback};
 

@@ -36,7 +36,7 @@ pub enum Mode {
 
 impl Mode {
     /// Whether it estimates from what the ADC reads. From one such mode to another the estimate goes on, with its
-    /// memory and its bias, unless something was wrong; any other change begins it anew.
+    /// memory and its bias; any other change begins it anew, and so does the end of a fault.
     pub const fn measures(self) -> bool {
         !matches!(self, Self::Pil | Self::Pause)
     }

@@ -1,20 +1,21 @@
 //! Why a device does not do what it was asked.
 
-use crate::text::Text;
+use crate::text::Reason;
 use serde::{Deserialize, Serialize};
 
 /// Why the device does not do it.
 #[derive(Clone, PartialEq, Debug, thiserror::Error, Serialize, Deserialize)]
 pub enum Refusal {
-    /// Writing flash while estimating, without having been told to.
+    /// Writing flash while estimating, without having been told to. Where code and store lie in banks of their own no
+    /// tick is expected to be late for it; no silicon has shown that yet.
     #[error("it is estimating, and writing flash may cost ticks")]
     Estimating,
     /// The record is not one that this device can run.
     #[error("the table is refused: {0}")]
-    Table(Text<120>),
+    Table(Reason),
     /// The parameter store could not be written or read.
     #[error("the parameter store failed: {0}")]
-    Store(Text<120>),
+    Store(Reason),
     /// There is no table to send.
     #[error("it has no admissible table")]
     NoTable,

@@ -3,6 +3,15 @@
 /// Text on the wire; longer text is cut.
 pub type Text<const N: usize> = heapless::String<N>;
 
+/// What a run that failed has left to say.
+pub type LastWords = Text<LAST_WORDS>;
+
+/// The longest that is, bytes.
+pub const LAST_WORDS: usize = 160;
+
+/// Why something is not so, for people.
+pub type Reason = Text<120>;
+
 /// Writes as much of something as fits into a [`Text`], in whole characters.
 pub fn text<const N: usize>(content: impl core::fmt::Display) -> Text<N> {
     struct Cut<const N: usize>(Text<N>);

@@ -35,7 +35,6 @@ pub use prandtl_ishlinskii::{
 };
 pub use preisach::{
     CELLS, Preisach, PreisachParameters, PreisachState, REVERSALS, SIDE, densities_from_reversal_curves,
-    everett_from_reversal,
 };
 pub use process::{Process, Running};
 pub use published::{Discretisation, Published, Scheme};

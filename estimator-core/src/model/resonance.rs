@@ -82,7 +82,8 @@ impl<T: Real> ResonanceState<T> {
 }
 
 impl<T: Real> Resonance<T> {
-    /// `hertz`: natural frequency, above 0 and below half the tick rate; `damping`: ζ, above 0 and below 1.
+    /// `hertz`: natural frequency, above 0 and below half the tick rate; `damping`: ζ, above 0 and below 1;
+    /// `sample_period`: of a tick, s.
     pub fn build(hertz: T, damping: T, sample_period: T) -> Self {
         let (one, two, half) = (T::one(), T::of(2.0), T::of(0.5));
         let pi = T::of(core::f32::consts::PI);
@@ -137,7 +138,7 @@ impl<T: Real> Resonance<T> {
         self.gain
     }
 
-    /// The displacements that a sequence of inputs of this range can lead to, with what an f32 rounds.
+    /// The displacements (µm) that a sequence of inputs of this range (µm) can lead to, with what an f32 rounds.
     ///
     /// # Errors
     /// It does not pass the [check](Self::check).
@@ -154,7 +155,7 @@ impl<T: Real> Resonance<T> {
         Ok(Range { min: middle - swing - rounding, max: middle + swing + rounding })
     }
 
-    /// The displacement a tick later, when the input has gone straight to `input`.
+    /// The displacement (µm) a tick later, when the input (µm) has gone straight to `input`.
     #[inline]
     pub fn step(&self, state: &mut ResonanceState<T>, input: T) -> T {
         let ResonanceState { input: before, displacement, velocity } = *state;

@@ -7,7 +7,7 @@ use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 pub(crate) struct Maybe(AtomicU32);
 
 impl Maybe {
-    /// None yet.
+    /// Before the first number is set.
     pub const fn none() -> Self {
         Self(AtomicU32::new(0))
     }

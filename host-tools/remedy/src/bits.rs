@@ -70,7 +70,7 @@ const FAULTS: [(Faults, &str); 15] = [
     ),
     (
         Faults::MISSED_DEADLINE,
-        "writing a table does that (with --pause it does not matter), and an emulated board is as late as its host; otherwise report it, for it must not happen",
+        "writing a table may do that (with --pause it does not matter), and an emulated board is as late as its host; otherwise report it, for it must not happen",
     ),
     (
         Faults::SAFE_OUTPUT,

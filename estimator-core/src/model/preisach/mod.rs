@@ -22,7 +22,7 @@ mod reversal_curves;
 
 pub use everett::{CELLS, SIDE};
 pub use memory::{PreisachState, REVERSALS};
-pub use reversal_curves::{densities_from_reversal_curves, everett_from_reversal};
+pub use reversal_curves::densities_from_reversal_curves;
 
 use super::{Discretisation, Linear, Published, Recursion, solve};
 use crate::admissible::{Inadmissible, within};

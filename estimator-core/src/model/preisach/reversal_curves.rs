@@ -17,12 +17,6 @@ use super::everett::{CELLS, SIDE};
 use crate::list::List;
 use crate::math::Real;
 
-/// The Everett function (µm) of a reversal at displacement `reversal` (µm) that has come down to `branch` (µm), Eq.
-/// (3.17).
-pub fn everett_from_reversal<T: Real>(reversal: T, branch: T) -> T {
-    reversal - branch
-}
-
 /// Masses of whole cells (µm), in the order of `densities_um`, of a grid of `side` × `side` cells. `None` unless `side`
 /// is 1 to 10.
 ///
@@ -35,7 +29,8 @@ pub fn densities_from_reversal_curves<T: Real>(
     if !(1..=SIDE).contains(&side) {
         return None;
     }
-    let everett = |a: usize, b: usize| everett_from_reversal(curve(a, a), curve(a, b));
+    // The Everett function (µm), Eq. (3.17).
+    let everett = |a: usize, b: usize| curve(a, a) - curve(a, b);
     let cells = (0..side).flat_map(|row| (0..=row).map(move |column| (row, column)));
     List::collect(cells.map(|(row, column)| {
         if row == column {

@@ -18,7 +18,7 @@ pub struct VoigtTerms<T> {
 }
 
 impl<T: Real> VoigtTerms<T> {
-    /// The displacement (µm) a tick later.
+    /// The displacement (µm) a tick later; `ext` is the extremum term, µm/s.
     #[inline]
     pub fn apply(self, displacement: T, ext: T) -> T {
         self.a * displacement + (self.c + self.m * ext)

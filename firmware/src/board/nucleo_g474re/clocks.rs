@@ -104,8 +104,8 @@ fn full_speed() {
     });
 }
 
-/// Tells the DAC, which is on the core's bus and must be off, that its clock is above 160 MHz: its driver takes
-/// it for half.
+/// Tells the DAC, which is on the core's bus, that its clock is above 160 MHz: its driver takes it for half. Its
+/// channel puts nothing on a pin yet.
 pub fn tell_dac() {
     pac::DAC1.mcr().modify(|w| w.set_hfsel(0b10));
 }

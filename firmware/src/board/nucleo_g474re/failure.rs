@@ -75,8 +75,8 @@ unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
 ///
 /// Flash words that a power cut left half-written cannot be corrected; reading one raises this. What was read is
 /// garbage, which the parameter store's checksums refuse. Whose word it was is told by who reads, beside the bit that
-/// names bank 2, where the store is: that may be missing after a power cut amid a write (an erratum of this family), and
-/// a panic would then come back at every start. The store is read in thread mode only: a word that an interrupt's
+/// names bank 2, where the store is: that may be missing after a power cut amid a write (an erratum of this family),
+/// and a panic would then come back at every start. The store is read in thread mode only: a word that an interrupt's
 /// handler has met is code, whatever the bit says, and the run ends.
 #[exception]
 unsafe fn NonMaskableInt() {

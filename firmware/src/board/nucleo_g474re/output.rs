@@ -36,8 +36,14 @@ bind_interrupts!(struct Irqs {
 const CODES_HZ: u32 = 100_000;
 /// Codes a tick; 50 at 2 kHz.
 const CODES: u32 = CODES_HZ / TICK_HZ;
+/// Codes of the ring: two ticks'.
+const RING_CODES: u32 = 2 * CODES;
 /// Words of half the ring, two codes each.
 const HALF: usize = CODES as usize / 2;
+/// Triggers of TIM7 from a code's being fetched to its being put out.
+const FETCHED_AHEAD: u32 = 2;
+/// By so many codes, either way, what DMA has fetched may be beside what TIM6 has counted.
+const SLACK: u32 = 1;
 /// A tick's codes begin at most so many cycles before TIM6's trigger.
 const LEAD: u32 = CORE_HZ / 1_000_000;
 /// A tick must be done so many cycles before the next trigger: before the first of its codes is fetched, and a
@@ -79,7 +85,7 @@ impl Ahead {
     /// Starts it; it is two triggers ahead of what is started at once, before any interrupt.
     pub fn start(self) {
         self.0.start();
-        while 2 * CODES - u32::from(left()) < 2 {}
+        while RING_CODES - u32::from(left()) < FETCHED_AHEAD {}
         // Dropped, it would stop.
         core::mem::forget(self.0);
     }
@@ -136,13 +142,14 @@ impl Output {
         let runs = pac::TIM7.cr1().read().cen();
         // Codes of the tick that are over.
         let over = u32::from(pac::TIM6.cnt().read().cnt()) * CODES / self.turn;
-        // From there, where in the ring the tick began, and one more: TIM7's trigger and DMA are a little apart
-        // from TIM6's count.
-        let began = 4 * CODES - u32::from(left()) - 2 - over + 1;
-        let in_phase = began % CODES <= 2;
+        let fetched = RING_CODES - u32::from(left());
+        // Where in the ring the tick's codes began: at the start of a half, to within the slack, which is added so that
+        // neither side of it lies in the half before; a turn more, so that nothing is below 0.
+        let began = RING_CODES + fetched + SLACK - FETCHED_AHEAD - over;
+        let in_phase = began % CODES <= 2 * SLACK;
         // The half that is being put out; the other is filled, unless it is about to be fetched.
         let now = (began / CODES % 2) as usize;
-        let in_time = over < CODES - 2;
+        let in_time = over < CODES - FETCHED_AHEAD;
         if in_time {
             let given = TELEMETRY.stride_given().limit(self.filled[now], given, ROUNDING);
             fill(&mut self.shaper, given, 1 - now);
