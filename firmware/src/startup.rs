@@ -14,8 +14,9 @@ use protocol::Faults;
 pub struct Startup {
     /// The estimator; without one the DAC stays at its safe code.
     pub estimator: Option<Estimator<f32>>,
-    /// What the DAC is given for a displacement, where it shows that: in parts of a code.
-    pub shows: DacCalibration,
+    /// What the DAC is given for a displacement, in parts of a code; `None` where it does not show that, since the
+    /// table has it drive the amplifier, whether or not there is a drive, or there is no table.
+    pub shows: Option<DacCalibration>,
     /// Parts of a code.
     pub dac_parts: u16,
     /// What makes up for a supply that is off, of what is read.
@@ -71,13 +72,7 @@ impl Startup {
         let linearises = calm && facts.has_setpoint && setpoint.as_ref().is_some_and(Setpoint::at_start);
         let drive = driving.and_then(|table| Drive::new(table, facts.dac_parts));
         let dac_parts = facts.dac_parts;
-        // Without a table nothing is estimated, and it shows nothing but the safe code.
-        let nothing = DacCalibration {
-            gain_codes_per_um: 0.0,
-            offset_code: safe.0.into(),
-            full_scale: facts.interface.dac_full_scale,
-        };
-        let shows = table.map_or(nothing, |table| table.dac).finer(dac_parts);
+        let shows = table.filter(|table| table.drive.is_none()).map(|table| table.dac.finer(dac_parts));
         Self {
             estimator,
             shows,
@@ -99,9 +94,9 @@ impl Startup {
         Codes { code: self.safe, parts: DacParts(self.safe.0.saturating_mul(self.dac_parts)) }
     }
 
-    /// What the DAC has that shows a displacement (µm), whose code is this.
+    /// What the DAC has that shows a displacement (µm), whose code is this; `None` where it shows none.
     #[inline]
-    pub fn showing(&self, displacement: f32, code: DacCode) -> Codes {
-        Codes { code, parts: DacParts(self.shows.code(displacement).0) }
+    pub fn showing(&self, displacement: f32, code: DacCode) -> Option<Codes> {
+        Some(Codes { code, parts: DacParts(self.shows.as_ref()?.code(displacement).0) })
     }
 }

@@ -6,6 +6,7 @@ use common::{FACTS, LinkEnd, PERIOD, SAFE, compiled, driving, started_on, tick, 
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, Estimator, Status};
 use firmware::queues::Command;
+use firmware::restarts::{Restarts, TOO_MANY};
 use firmware::startup::Startup;
 use firmware::supply::Measured;
 use firmware::telemetry::STALLED;
@@ -77,6 +78,19 @@ fn missed_ticks_are_counted_and_said_and_skipped_in_the_numbers() {
     link.telemetry.took(50, false);
     tick.sample(moving(2).into(), now.wrapping_add(2 * PERIOD));
     assert_eq!(link.telemetry.missed.load(Relaxed), 1, "a tick that was not done in time");
+}
+
+/// Its codes would be an amplifier's input.
+#[test]
+fn a_table_that_drives_shows_no_displacement_where_it_is_not_to_drive() {
+    let facts = Facts { restarts: Restarts { count: TOO_MANY, ..Restarts::NONE }, ..FACTS };
+    let startup = Startup::new(Some(&driving()), &facts, Faults::empty());
+    assert!(startup.drive.is_none());
+    let (mut tick, link) = started_on(&facts, startup);
+    let safe = link.telemetry.safe();
+    for k in 0..3_000 {
+        assert_eq!(tick.sample(triangle(k).into(), k * PERIOD).0, safe.0, "tick {k}");
+    }
 }
 
 /// The estimate is stale by then, and the zero that was told is lost with it.

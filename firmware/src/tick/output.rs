@@ -27,9 +27,9 @@ impl Tick<'_> {
         self.telemetry.given.tick(&self.telemetry.supply, parts)
     }
 
-    /// The output of a tick whose estimate the DAC would show by `estimated`, and whose set-point has the code
-    /// `setpoint`; where not `sound`, the safe one.
-    pub(crate) fn output(&mut self, estimated: Codes, setpoint: Option<SetpointCode>, sound: bool) -> Output {
+    /// The output of a tick whose estimate the DAC would show by `shown`, where it shows that, and whose set-point has
+    /// the code `setpoint`; where not `sound`, the safe one.
+    pub(crate) fn output(&mut self, shown: Option<Codes>, setpoint: Option<SetpointCode>, sound: bool) -> Output {
         let status = Status::empty();
         match &mut self.startup.drive {
             Some(drive) if self.mode.drives() => {
@@ -62,8 +62,10 @@ impl Tick<'_> {
                 Output { codes, safe: !drive.following(), status }
             }
             Some(drive) => Output { codes: drive.release(), safe: true, status },
-            None if sound => Output { codes: estimated, safe: false, status },
-            None => Output { codes: self.startup.at_safe(), safe: true, status },
+            None => match shown.filter(|_| sound) {
+                Some(codes) => Output { codes, safe: false, status },
+                None => Output { codes: self.startup.at_safe(), safe: true, status },
+            },
         }
     }
 
