@@ -26,34 +26,53 @@ pub const TOO_LONG: u32 = ticks_in(10);
 #[derive(Clone, Debug)]
 pub struct Leap {
     limit: LeastLeap,
-    /// The last code that was believed, or that was taken for the open input's; `None` before the first.
-    believed: Option<AdcCode>,
+    state: State,
     /// The last code that was read.
     came: AdcCode,
-    /// Ticks since the last believed code.
-    ticks: u32,
     /// Ticks until the estimate has caught up.
     behind: u32,
-    /// The wire may be off: the fault is there.
-    off: bool,
-    /// Held codes, as [`score`] counts them; while the wire may be off, ticks since the code jumped to where it stays.
-    score: u32,
     status: Status,
+}
+
+/// What codes are taken for.
+///
+/// ```text
+/// Fresh ─► Believing ── held for too long, or too often ─► Open ── away, and stays there ─► Believing
+/// ```
+#[derive(Clone, Copy, Debug)]
+enum State {
+    /// The next code is believed, whatever it is.
+    Fresh,
+    /// They are the monitor's.
+    Believing {
+        /// The last code that was believed.
+        last: AdcCode,
+        /// Ticks since then, while codes are held.
+        since: u32,
+        /// Held codes, as [`score`] counts them.
+        held: u32,
+    },
+    /// They are those of an open input: the fault is there.
+    Open {
+        /// The last code near the open input's.
+        level: AdcCode,
+        /// Ticks since the code jumped away to where it stays.
+        away: u32,
+    },
 }
 
 impl Leap {
     /// For a table's codes; `None` where it does not say how fast the amplifier is.
     pub fn new(table: &Table) -> Option<Self> {
         let limit = table.least_leap()?;
-        let (believed, came, status) = (None, AdcCode(0), Status::empty());
-        Some(Self { limit, believed, came, ticks: 0, behind: 0, off: false, score: 0, status })
+        Some(Self { limit, state: State::Fresh, came: AdcCode(0), behind: 0, status: Status::empty() })
     }
 
     /// The estimate starts anew, from the next code, whatever it is. A wire that may be off stays so.
     pub fn restart(&mut self) {
         self.behind = 0;
-        if !self.off {
-            (self.believed, self.score, self.status) = (None, 0, Status::empty());
+        if self.faults().is_empty() {
+            (self.state, self.status) = (State::Fresh, Status::empty());
         }
     }
 
@@ -67,7 +86,10 @@ impl Leap {
     /// [`Faults::SLEW_EXCEEDED`], where the wire may be off.
     #[inline]
     pub fn faults(&self) -> Faults {
-        if self.off { Faults::SLEW_EXCEEDED } else { Faults::empty() }
+        match self.state {
+            State::Open { .. } => Faults::SLEW_EXCEEDED,
+            State::Fresh | State::Believing { .. } => Faults::empty(),
+        }
     }
 
     /// One tick: takes the code that was read and how many ticks did not come before it; returns the code to estimate
@@ -75,59 +97,60 @@ impl Leap {
     #[inline(never)]
     pub fn tick(&mut self, code: AdcCode, missed: u32) -> AdcCode {
         let step = missed.saturating_add(1);
-        let near = self.believed.is_none_or(|believed| way(code, believed) <= self.limit.after(step));
-        if near && !self.off { self.believe(code, step) } else { self.doubt(code, step, near) }
+        match self.state {
+            State::Fresh => self.believe(code, step, 0),
+            State::Believing { last, held, .. } if self.near(code, last, step) => self.believe(code, step, held),
+            State::Believing { last, since, held } => self.doubt(code, step, (last, since, held)),
+            State::Open { level, away } => self.stay_open(code, step, (level, away)),
+        }
+    }
+
+    /// Whether the amplifier can have gone from one code to the other in so many ticks.
+    #[inline]
+    fn near(&self, AdcCode(code): AdcCode, AdcCode(other): AdcCode, ticks: u32) -> bool {
+        u32::from(code.abs_diff(other)) <= self.limit.after(ticks)
     }
 
     #[inline]
-    fn believe(&mut self, code: AdcCode, step: u32) -> AdcCode {
+    fn believe(&mut self, code: AdcCode, step: u32, mut held: u32) -> AdcCode {
         self.status = if self.behind > 0 { Status::SLEW_EXCEEDED } else { Status::empty() };
-        (self.believed, self.came, self.ticks) = (Some(code), code, 0);
         self.behind = self.behind.saturating_sub(step);
-        score(&mut self.score, false, TOO_LONG);
+        score(&mut held, false, TOO_LONG);
+        (self.state, self.came) = (State::Believing { last: code, since: 0, held }, code);
         code
     }
 
-    /// What is made of a code that is not near the last one, or of a wire that may be off. (A function of its own: most
-    /// ticks, and those whose estimate takes the longest, do without it.)
+    /// What is made of a code that is not near the last believed one. (A function of its own: most ticks, and those
+    /// whose estimate takes the longest, do without it.)
     #[cold]
     #[inline(never)]
-    fn doubt(&mut self, code: AdcCode, step: u32, near: bool) -> AdcCode {
-        let before = self.believed.unwrap_or(code);
-        let leapt = way(code, self.came) > self.limit.after(step);
-        let ticks = self.ticks.saturating_add(step);
-        if self.off {
-            self.score = if near || leapt { 0 } else { self.score + 1 };
-            self.came = code;
-            if self.score >= TOO_LONG {
-                self.turn(false);
-            } else if near {
-                self.believed = Some(code);
-                return code;
-            }
-            return before;
+    fn doubt(&mut self, code: AdcCode, step: u32, (last, since, mut held): (AdcCode, u32, u32)) -> AdcCode {
+        let since = since.saturating_add(step);
+        if !self.near(code, self.came, step) && self.near(code, last, since) {
+            return self.believe(code, step, held);
         }
-        if leapt && way(code, before) <= self.limit.after(ticks) {
-            return self.believe(code, step);
-        }
-        (self.came, self.ticks, self.behind) = (code, ticks, self.behind.saturating_add(step));
-        self.status = Status::SLEW_EXCEEDED;
-        if score(&mut self.score, true, TOO_LONG) {
-            self.turn(true);
-        }
-        before
+        (self.came, self.behind, self.status) = (code, self.behind.saturating_add(step), Status::SLEW_EXCEEDED);
+        self.state = match score(&mut held, true, TOO_LONG) {
+            true => State::Open { level: code, away: 0 },
+            false => State::Believing { last, since, held },
+        };
+        last
     }
 
-    /// From now on the wire may be off, or is back; the code that came is its own.
-    fn turn(&mut self, off: bool) {
-        (self.off, self.believed, self.ticks, self.score) = (off, Some(self.came), 0, 0);
+    /// What is made of a code while the wire may be off.
+    #[cold]
+    #[inline(never)]
+    fn stay_open(&mut self, code: AdcCode, step: u32, (level, away): (AdcCode, u32)) -> AdcCode {
+        let (near, leapt) = (self.near(code, level, step), !self.near(code, self.came, step));
+        let away = if near || leapt { 0 } else { away + 1 };
+        let given = if near { code } else { level };
+        self.came = code;
+        self.state = match away >= TOO_LONG {
+            true => State::Believing { last: code, since: 0, held: 0 },
+            false => State::Open { level: given, away },
+        };
+        given
     }
-}
-
-/// How far a code is from another.
-#[inline]
-fn way(AdcCode(code): AdcCode, AdcCode(other): AdcCode) -> u32 {
-    code.abs_diff(other).into()
 }
 
 #[cfg(test)]
