@@ -2,6 +2,7 @@
 //! the largest error of a whole log, and the search would follow it.
 
 mod commanded;
+mod lasting;
 mod leaps;
 mod missing;
 mod repair;
@@ -22,6 +23,7 @@ pub use repair::{measured, sound};
 #[cfg(test)]
 use repair::{leave_out, mended};
 
+use lasting::{brief, lasting};
 use leaps::{ROWS, at_ends, least_leap, spikes};
 use missing::missing;
 use steps::steps;
@@ -31,7 +33,7 @@ use voltage::{voltage_spikes, without};
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Flaw {
-    /// The displacement leaps away and back within three rows, or in the first or last three, by this many µm, and no
+    /// The displacement leaps away and back within some rows, or in the first or last three, by this many µm, and no
     /// pulse of the voltage commands it.
     Spike {
         /// The rows that it takes.
@@ -211,11 +213,27 @@ pub(crate) fn in_rows(voltage: &[f64], displacement: &[f64], start_s: f64, perio
         move |flaw: &Flaw| flaw.at().from_s <= to_s && from_s <= flaw.at().to_s
     };
     // What begins and ends another flaw is that one's.
-    let stepped: Vec<Flaw> = steps(voltage, displacement, volts, stroke, period)
+    let leaps: Vec<(usize, f64)> = steps(voltage, displacement, volts, stroke, period)
         .into_iter()
         .filter(|&(row, _)| !found.iter().any(near(row)) && lost.iter().all(|of| of.0.abs_diff(row) > steps::ROWS))
-        .map(|(row, leap_um)| Flaw::Step { at: at(row + 1 - steps::SPREAD, row + steps::SPREAD), leap_um })
         .collect();
+    let (mut brief_spikes, mut stepped) = (Vec::new(), Vec::new());
+    if !leaps.is_empty() {
+        let row = |time: f64| ((time - start_s) / period).round() as usize;
+        let flawed = found.iter().map(|flaw| row(flaw.at().from_s)..=row(flaw.at().to_s));
+        for (&(row, leap_um), lasts) in leaps.iter().zip(lasting(voltage, displacement, flawed, &leaps)) {
+            let stretch = at(row + 1 - steps::SPREAD, row + steps::SPREAD);
+            match lasts {
+                true => stepped.push(Flaw::Step { at: stretch, leap_um }),
+                false => brief_spikes.extend(brief(displacement, row).as_ref().map(spike)),
+            }
+        }
+    }
+    // Those of a kind stand together, in the order of time.
+    let spikes = found.iter().take_while(|flaw| matches!(flaw, Flaw::Spike { .. })).count();
+    found.splice(spikes..spikes, brief_spikes);
+    let spikes = found.iter().take_while(|flaw| matches!(flaw, Flaw::Spike { .. })).count();
+    found[..spikes].sort_by(|a, b| a.at().from_s.total_cmp(&b.at().from_s));
     found.extend(stepped);
     found.extend(lost.iter().map(|&(row, leap_v, leap_um)| Flaw::Missing { at: at(row, row + 1), leap_v, leap_um }));
     found

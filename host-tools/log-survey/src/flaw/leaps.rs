@@ -9,7 +9,7 @@ const STEPS: f64 = 6.0;
 /// and by this part of the range,
 const LEAP: f64 = 0.05;
 /// and comes back to where it left by this part of its leap.
-const BACK: f64 = 0.3;
+pub const BACK: f64 = 0.3;
 /// A leap of up to this many times (stroke/voltage range) × (how far the voltage leaps near it) is the voltage's.
 pub const EXPLAINED: f64 = 2.0;
 
