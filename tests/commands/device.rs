@@ -6,8 +6,11 @@ use emulator::{Emulator, FaultyLine};
 use estimator_core::record::VERSION;
 use protocol::{Identity, Reply, ToHost};
 use std::fs;
+use std::io::{BufRead, BufReader};
 use std::net::TcpListener;
 use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 /// The verbs and what each needs beside a port.
 const VERBS: [&[&str]; 9] = [
@@ -224,4 +227,26 @@ fn what_does_not_fit_is_refused_with_the_command_that_makes_it_fit() {
     assert!(newer.contains(&format!("writes format {VERSION}")), "{newer}");
     let estimating = pushed(&table, |of| of);
     assert!(estimating.contains("--pause") && estimating.contains("--while-estimating"), "{estimating}");
+}
+
+/// As of `monitor | head -1`: nothing is left that holds the port.
+#[test]
+fn monitor_ends_when_nobody_reads_it_any_more() {
+    let device = Emulator::new().start().unwrap();
+    let mut monitor = Command::new(env!("CARGO_BIN_EXE_piezo"))
+        .args(["monitor", "--port", &format!("tcp:{}", device.address())])
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut line = String::new();
+    BufReader::new(monitor.stdout.take().unwrap()).read_line(&mut line).unwrap();
+    let start = Instant::now();
+    let status = loop {
+        if let Some(status) = monitor.try_wait().unwrap() {
+            break status;
+        }
+        assert!(start.elapsed() < Duration::from_secs(30), "it goes on, unread");
+        std::thread::sleep(Duration::from_millis(50));
+    };
+    assert!(status.success() && !line.is_empty(), "{status}: {line}");
 }

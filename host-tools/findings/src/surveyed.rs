@@ -119,7 +119,7 @@ fn odd_clock(period_s: f64, duration_s: f64) -> Option<String> {
     let brief = || {
         format!(
             "it lasts {} s from the first row to the last, at {} rows a second, too briefly to show creep: is the unit of the time right, or \
-             are these s headed as ms? --columns time=<COLUMN>:<UNIT> states another, --fs <HZ> a rate",
+             are these s headed as ms? --columns time=<COLUMN>:<UNIT> states another; where no column has the time, --fs <HZ> a rate",
             short(duration_s),
             short(period_s.recip())
         )
@@ -130,7 +130,7 @@ fn odd_clock(period_s: f64, duration_s: f64) -> Option<String> {
     (period_s > SELDOM_S).then(|| {
         format!(
             "its rows are {} s apart, {} s from the first to the last, too slow to show more than creep, and takes long to learn from: is \
-             the unit of the time right, or are these ms headed as s? --columns time=<COLUMN>:<UNIT> states another, --fs <HZ> a rate; \
+             the unit of the time right, or are these ms headed as s? --columns time=<COLUMN>:<UNIT> states another; where no column has the time, --fs <HZ> a rate; \
              a sample time in the header is corrected there",
             short(period_s),
             short(duration_s)

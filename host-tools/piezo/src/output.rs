@@ -66,11 +66,11 @@ pub fn to_folder(path: &Path) -> Result<Held> {
     Ok(Held::of(path)?)
 }
 
-/// Writes bytes to standard output, all of them unless its reader has gone.
-pub fn standard(bytes: &[u8]) -> Result<()> {
+/// Writes bytes to standard output, all of them unless its reader has gone: `false` where it has.
+pub fn standard(bytes: &[u8]) -> Result<bool> {
     let mut stdout = std::io::stdout();
     match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error).context("standard output"),
-        _ => Ok(()),
+        written => Ok(written.is_ok()),
     }
 }

@@ -42,6 +42,7 @@ pub fn doubted<'f>(file: &'f Path, doubts: &[String], may: bool, dry_run: bool) 
         file.display()
     );
     ensure!(dry_run, refusal);
+    eprintln!("piezo: careful: {refusal}");
     Ok(Doubts::Refused(refusal))
 }
 

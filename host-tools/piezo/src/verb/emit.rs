@@ -88,9 +88,9 @@ pub fn run(arguments: &Emit) -> Result<bool> {
         }
     }
     match arguments.face {
-        Some(Face::Toml) => output::standard(file.to_toml()?.as_bytes())?,
-        Some(Face::Rust) => output::standard(rust_source(&admitted).as_bytes())?,
-        Some(Face::Binary) => output::standard(&record(&admitted))?,
+        Some(Face::Toml) => drop(output::standard(file.to_toml()?.as_bytes())?),
+        Some(Face::Rust) => drop(output::standard(rust_source(&admitted).as_bytes())?),
+        Some(Face::Binary) => drop(output::standard(&record(&admitted))?),
         None => {}
     }
     Ok(true)

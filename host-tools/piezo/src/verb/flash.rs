@@ -144,7 +144,6 @@ fn tell(
         out(&serde_json::to_string_pretty(&summary)?);
         return Ok(refused.is_empty());
     }
-    refused.iter().for_each(|refusal| eprintln!("piezo: careful: {refusal}"));
     if arguments.dry_run {
         commands.iter().for_each(|command| out(command));
     }

@@ -4,7 +4,7 @@
 //! page for a browser instead; with --udp the same samples as datagrams, besides.
 
 use super::device::{note_damage, require_estimating};
-use super::print::out;
+use super::print::{out, read};
 use crate::option::link::PortOption;
 use crate::option::{choice, count, not_negative};
 use anyhow::{Result, ensure};
@@ -169,11 +169,14 @@ fn lines(watched: &mut Watched<'_, impl Fn() -> bool>, mut window: Window, json:
         // What is left of a second at the end is said where it has something to say.
         if received > 0 || !(watched.over)() {
             let time = start.elapsed().as_secs_f64();
-            out(&if json {
-                object(&window, time, received, lost)
-            } else {
-                line(&window, watched.drives, received, lost)
-            });
+            let said = match json {
+                true => object(&window, time, received, lost),
+                false => line(&window, watched.drives, received, lost),
+            };
+            // A pipe whose reader has gone, as `head` does, holds no port.
+            if !read(&said) {
+                break;
+            }
         }
     }
     Ok(())

@@ -10,8 +10,13 @@ pub fn progress(length: u64) -> indicatif::ProgressBar {
 /// Prints a line to standard output. A reader who has closed the pipe has seen enough; anything else that keeps the
 /// line from being written (a full disk) ends the program with exit code 2.
 pub fn out(line: &str) {
-    if let Err(error) = crate::output::standard(format!("{line}\n").as_bytes()) {
+    read(line);
+}
+
+/// The same of a line that others are to follow, as long as somebody reads them: `false` where nobody does.
+pub fn read(line: &str) -> bool {
+    crate::output::standard(format!("{line}\n").as_bytes()).unwrap_or_else(|error| {
         eprintln!("piezo: {error:#}");
-        std::process::exit(2);
-    }
+        std::process::exit(2)
+    })
 }
