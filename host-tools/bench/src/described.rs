@@ -109,7 +109,7 @@ pub fn describe(table: &Admitted) -> Vec<String> {
         match is_line(table) {
             true => NO_MODEL.to_owned(),
             false => format!(
-                "by piezo {major}.{minor}.{patch} from logs {}, seed {}: {:.3} µm off on average in training, without each log's own offset; {held_out}",
+                "by piezo {major}.{minor}.{patch} from logs {}, seed {}: {:.3} µm off on average in training, starts included, without each log's own offset; {held_out}",
                 made.logs, made.seed, made.train_mae_um
             ),
         },

@@ -18,7 +18,7 @@ use estimator_core::{AdcCode, Admitted, DriveLimits, Range, Table};
 use excitation::{Drive, ExcitationError, Request};
 use protocol::{Identity, Mode};
 use std::path::{Path, PathBuf};
-use table_files::{TableFile, TableFileError, agree};
+use table_files::{TableFile, TableFileError, agree, in_folder};
 
 /// Length of a rehearsal, s, its highest frequency, Hz, and how often its voltage may go over the whole range
 /// in a second.
@@ -34,7 +34,7 @@ const REHEARSAL_WAYS: f64 = 20.0;
 /// A file cannot be read, a face of another table lies beside it, the board's does not say what the ADC's codes are, or
 /// the table is refused with its calibration.
 pub fn for_board(table: &Path, board: &Path) -> Result<(PathBuf, Admitted, Vec<String>), BenchError> {
-    let path = if table.is_dir() { table.join("table.toml") } else { table.to_owned() };
+    let path = in_folder(table);
     let (mut file, stated) = TableFile::load(&path)?;
     agree(&path, &stated).map_err(TableFileError::from)?;
     let facts = BoardFacts::read(board)?;

@@ -3,7 +3,7 @@
 
 use crate::constant::{LINE, rust_source};
 use crate::error::{OtherFace, TableFileError};
-use crate::file::{MOST_BYTES, TableFile, read};
+use crate::file::{MOST_BYTES, TableFile, in_folder, read};
 use crate::name::name;
 use crate::record::record;
 use estimator_core::{Admitted, record::checksum};
@@ -33,12 +33,13 @@ impl TableFile {
     }
 }
 
-/// Compares the table of a face with the other faces beside it, of the same name but for its end. What is none of ours
-/// is not looked at.
+/// Compares the table of a face, which may be named by its folder, with the other faces beside it, of the same name but
+/// for its end. What is none of ours is not looked at.
 ///
 /// # Errors
 /// One of them is of another table.
 pub fn agree(face: &Path, table: &Admitted) -> Result<(), OtherFace> {
+    let face = &in_folder(face);
     let Some(own_end) = ENDS.into_iter().find(|&end| face.extension().is_some_and(|of_face| of_face == end)) else {
         return Ok(());
     };
@@ -48,7 +49,7 @@ pub fn agree(face: &Path, table: &Admitted) -> Result<(), OtherFace> {
         match says(&beside) {
             Some(its) if its != own => {
                 let its = Some(its).filter(|its| !its.is_empty());
-                return Err(OtherFace { named: face.to_owned(), own, beside, its });
+                return Err(OtherFace { named: face.clone(), own, beside, its });
             }
             _ => {}
         }

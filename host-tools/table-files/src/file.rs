@@ -11,7 +11,7 @@ use identification::cost::{Feedback, Norm};
 use recordings::prepare::Recipe;
 use recordings::{LogUse, Role};
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A table.toml as it is read and written.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
@@ -58,13 +58,14 @@ const HEADER: &str = "\
 pub const MOST_BYTES: u64 = 4 << 20;
 
 impl TableFile {
-    /// Reads and admits a table.
+    /// Reads and admits a table, which may be named by its folder.
     ///
     /// # Errors
     /// The file cannot be read, is no table, or is refused.
     pub fn load(path: &Path) -> Result<(Self, Admitted), TableFileError> {
+        let path = &in_folder(path);
         let text = result_files::read_text(path, MOST_BYTES)
-            .map_err(|error| TableFileError::Unreadable { path: path.to_owned(), error })?;
+            .map_err(|error| TableFileError::Unreadable { path: path.clone(), error })?;
         Self::parse(path, &text)
     }
 
@@ -130,6 +131,12 @@ impl TableFile {
         shorten(&mut value);
         Ok(format!("{HEADER}\n{}", toml::to_string_pretty(&value)?))
     }
+}
+
+/// The table.toml in a folder that is named where a table is; what was named where it is none that has one.
+pub fn in_folder(path: &Path) -> PathBuf {
+    let inside = path.join("table.toml");
+    if inside.is_file() { inside } else { path.to_owned() }
 }
 
 /// Reads and admits a table from one of its faces, a table.toml or the record in a table.bin, which has nothing

@@ -13,7 +13,7 @@ mod record;
 pub use constant::rust_source;
 pub use error::{OtherFace, Refused, TableFileError};
 pub use faces::{FACES, RECORD, agree, read_doubted};
-pub use file::{MOST_BYTES, TableFile, former, read};
+pub use file::{MOST_BYTES, TableFile, former, in_folder, read};
 pub use name::name;
 pub use noise::Noise;
 pub use record::record;
