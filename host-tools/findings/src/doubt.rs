@@ -26,7 +26,7 @@ pub fn doubt(doubt: &Doubt) -> String {
              displacement"
         ),
         Doubt::RunsAhead { log, by: Ahead { percent, loops } } => format!(
-            "in {log} {} Then name them in --columns; if they are the right ones, the voltage was read later than the displacement: record both at once",
+            "in {log} {} Then exchange their names in the file's header, or, where it has none, name them in --columns; if they are the right ones, the voltage was read later than the displacement: record both at once",
             runs_ahead(&Ahead { percent: *percent, loops: *loops })
         ),
         Doubt::AtBound { gene: "delay", value } => format!(
