@@ -225,15 +225,15 @@ pub(crate) fn in_rows(voltage: &[f64], displacement: &[f64], start_s: f64, perio
             let stretch = at(row + 1 - steps::SPREAD, row + steps::SPREAD);
             match lasts {
                 true => stepped.push(Flaw::Step { at: stretch, leap_um }),
-                false => brief_spikes.extend(brief(displacement, row).as_ref().map(spike)),
+                false => brief_spikes.extend(brief(displacement, (row, leap_um)).as_ref().map(spike)),
             }
         }
     }
     // Those of a kind stand together, in the order of time.
     let spikes = found.iter().take_while(|flaw| matches!(flaw, Flaw::Spike { .. })).count();
+    let all = spikes + brief_spikes.len();
     found.splice(spikes..spikes, brief_spikes);
-    let spikes = found.iter().take_while(|flaw| matches!(flaw, Flaw::Spike { .. })).count();
-    found[..spikes].sort_by(|a, b| a.at().from_s.total_cmp(&b.at().from_s));
+    found[..all].sort_by(|a, b| a.at().from_s.total_cmp(&b.at().from_s));
     found.extend(stepped);
     found.extend(lost.iter().map(|&(row, leap_v, leap_um)| Flaw::Missing { at: at(row, row + 1), leap_v, leap_um }));
     found

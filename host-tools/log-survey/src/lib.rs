@@ -127,7 +127,7 @@ pub fn survey(reading: Reading<'_>) -> Result<Survey, LogError> {
     let mut flaws = tally.kept.flaws(&clock);
     let told = |flaw: &Flaw| {
         let row = (flaw.at().to_s * clock.hz).round() as u64;
-        matches!(flaw, Flaw::Missing { .. } | Flaw::Step { .. }) && tally.clock.late_near(row)
+        matches!(flaw, Flaw::Missing { .. }) && tally.clock.late_near(row)
     };
     flaws.iter_mut().for_each(|flaws| flaws.retain(|flaw| !told(flaw)));
     let implausible = match &flaws {
