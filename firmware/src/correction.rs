@@ -52,8 +52,8 @@ fn within(code: i32, full_scale: u16) -> u16 {
     code.clamp(0, full_scale.into()) as u16
 }
 
-/// A step towards what a supply is off by: a 65,536th. A code moves by one at most for it, where its 0 V lie within the
-/// converter's range.
+/// A step towards what a supply is off by: a 65,536th. By it a code moves by no more than one, if the code of 0 V is
+/// within the converter's range, and by up to four, if that lies as far beyond it as is admitted.
 #[inline]
 fn towards(now: i32, off: i32) -> i32 {
     now + (off - now).signum()

@@ -98,7 +98,7 @@ fn a_table_that_drives_shows_no_displacement_where_it_is_not_to_drive() {
 fn a_gap_of_20_ms_is_a_fault_for_a_second_unless_the_board_is_emulated() {
     for emulated in [false, true] {
         let facts = Facts { emulated, ..FACTS };
-        let (mut tick, link) = started_on(&facts, Startup::new(Some(&compiled()), &facts, Faults::empty()));
+        let (mut tick, mut link) = started_on(&facts, Startup::new(Some(&compiled()), &facts, Faults::empty()));
         let mut now = 0u32;
         let mut after = |periods: u32| {
             now = now.wrapping_add(periods * PERIOD);
@@ -106,9 +106,13 @@ fn a_gap_of_20_ms_is_a_fault_for_a_second_unless_the_board_is_emulated() {
             link.telemetry.faults()
         };
         assert_eq!(after(1), Faults::empty());
+        link.queues.commands.enqueue(Command::SetZero { at_um: 1.0 }).unwrap();
+        assert_eq!(after(1), Faults::empty());
+        assert!(link.telemetry.bias.age_ticks().is_some(), "it is told");
         assert_eq!(after(40).contains(Faults::SAFE_OUTPUT), !emulated);
         let lasting = (0..3_000).take_while(|_| after(1).contains(Faults::SAFE_OUTPUT)).count();
         assert_eq!(lasting, if emulated { 0 } else { HOLD as usize });
+        assert_eq!(link.telemetry.faults().contains(Faults::ZERO_LOST), !emulated);
     }
 }
 

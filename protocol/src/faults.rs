@@ -69,8 +69,8 @@ impl Faults {
         .union(Self::DEMONSTRATION)
         .union(Self::STALLED);
 
-    /// The faults with which a mode is not entered: none where the output rests or shows the estimate, and where it
-    /// drives those of [`Faults::UNSAFE`] that concern the mode.
+    /// The faults with which a mode is not entered, beside ticks that go on being late: none where the output rests or
+    /// shows the estimate, and where it drives those of [`Faults::UNSAFE`] that concern the mode.
     pub const fn against(mode: Mode) -> Self {
         match mode {
             Mode::Estimate | Mode::Pil | Mode::Pause => Self::empty(),

@@ -74,8 +74,8 @@ pub enum Request {
     },
     /// Change what the tick does, but for [`Mode::Waveform`]; samples are counted from 0, and streaming ends. The
     /// estimate goes on from one mode that [measures](Mode::measures) to another; else it starts anew, from rest, as it
-    /// does when a fault has passed. To a device that follows its set-point, or waits for that, [`Mode::Linearise`]
-    /// says nothing new and changes nothing. → [`Reply::Done`]
+    /// does when a fault that it suffers from has passed. To a device that follows its set-point, or waits for that,
+    /// [`Mode::Linearise`] says nothing new and changes nothing. → [`Reply::Done`]
     SetMode(Mode),
     /// Codes for the next ticks, in [`Mode::Pil`]. → [`Reply::Fed`]
     Feed(Codes),

@@ -36,7 +36,8 @@ pub enum Mode {
 
 impl Mode {
     /// Whether it estimates from what the ADC reads. From one such mode to another the estimate goes on, with its
-    /// memory and its bias; any other change begins it anew, and so does the end of a fault.
+    /// memory and its bias; any other change begins it anew, and so does the end of a fault that it suffers from (of
+    /// the set-point, or of a main loop that stood still, it does not).
     pub const fn measures(self) -> bool {
         !matches!(self, Self::Pil | Self::Pause)
     }

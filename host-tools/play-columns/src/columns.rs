@@ -64,14 +64,16 @@ impl Stages<'_> {
     /// behind lag and delay (V), from the session's first sample on. Between two steps the voltage of a log slower than
     /// the tick runs straight, as every stage takes it to.
     ///
-    /// The columns are those of `N` parts: the reversible one, then `N` − 1 hysteretic ones with their creep, each of
-    /// as many of the plays, in their order. Creep and resonance are linear, so that the parts add up to the model's.
+    /// The columns are those of `N` parts, two at least: the reversible one, then `N` − 1 hysteretic ones with their
+    /// creep, each of as many of the plays, in their order, the last perhaps of fewer. Creep and resonance are linear,
+    /// so that the parts add up to the model's.
     pub fn walk<const N: usize>(
         &self,
         session: &Session,
         course: &Course,
         each: impl FnMut(usize, &[[f64; FUNCTIONS]; N], f64),
     ) {
+        const { assert!(N > 1, "the reversible part, and a hysteretic one") };
         // Wider instructions where the machine has them; each column's are the same.
         Arch::new().dispatch(Walk { stages: self, session, course, each });
     }

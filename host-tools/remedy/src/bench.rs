@@ -248,7 +248,7 @@ fn no_model(error: &NoModel) -> String {
 
 /// Where the model went that a device had before it was given a straight line.
 pub const FORMER_OF_KILLED: &str = "where `piezo train` was killed, its folder keeps the table of before as former-table.bin, and \
-                                    `piezo push … --reset` brings it back";
+                                    `piezo push '<FOLDER>/former-table.bin' --reset` brings it back";
 
 fn board_file(error: &BoardFileError) -> String {
     match error {

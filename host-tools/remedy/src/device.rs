@@ -18,6 +18,7 @@ use estimator_core::table::Misfit;
 use protocol::{Mode, Refusal, TableSource, VERSION};
 use std::error::Error;
 use std::path::Path;
+use table_files::in_folder;
 
 /// The error with its remedy, if it is one of these.
 pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
@@ -41,7 +42,7 @@ pub fn board(misfit: &Misfit, table: &Admitted, file: &Path) -> String {
         Misfit::Tick { board_us, .. }
             if table.at_tick(*board_us).is_ok_and(|table| table.admit().is_ok() && table.in_time().is_ok()) =>
         {
-            let face = file.with_extension("toml");
+            let face = in_folder(file).with_extension("toml");
             format!("{name}: {misfit}: piezo emit {} --tick-us {board_us} --out FOLDER", face.display())
         }
         Misfit::Tick { board_us, .. } => format!("{name}: {misfit}: identify with --tick-us {board_us}"),
@@ -56,7 +57,7 @@ pub fn board(misfit: &Misfit, table: &Admitted, file: &Path) -> String {
             format!(
                 "{name}: {misfit}: piezo emit {}{options} --out FOLDER (and say --adc-span and --dac-span, if you have \
                  measured them)",
-                file.with_extension("toml").display()
+                in_folder(file).with_extension("toml").display()
             )
         }
     }

@@ -1,7 +1,8 @@
 //! What is left to do when the firmware fails, and what becomes of a flash word that cannot be read.
 
 use core::panic::PanicInfo;
-use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
+use core::sync::atomic::Ordering::{Relaxed, SeqCst};
+use core::sync::atomic::{AtomicBool, AtomicU32, compiler_fence};
 
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::{ExceptionFrame, exception};
@@ -49,6 +50,7 @@ fn panic(info: &PanicInfo<'_>) -> ! {
     cortex_m::interrupt::disable();
     // From here on a crystal that stops is no failure of its own, which would end this one before the output is safe.
     RESTING.store(true, Relaxed);
+    compiler_fence(SeqCst);
     // A second panic is one of these steps themselves, as of a log that the first has come amid: it says nothing more.
     if !PANICS.swap(true, Relaxed) {
         output_safe();

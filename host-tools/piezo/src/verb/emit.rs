@@ -10,12 +10,12 @@ use bench::describe;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 use std::path::PathBuf;
-use table_files::{TableFile, record, rust_source};
+use table_files::{TableFile, in_folder, record, rust_source};
 
 /// One face of a table.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
 pub enum Face {
-    /// table.toml, for people.
+    /// table.toml, for people, or its folder.
     Toml,
     /// table.rs, a `const` for the firmware.
     Rust,
@@ -52,7 +52,7 @@ pub struct Emit {
 /// Runs the verb.
 pub fn run(arguments: &Emit) -> Result<bool> {
     // With its own folder for --out the faces are being made again.
-    let again = arguments.out.as_ref().is_some_and(|out| arguments.table == out.join("table.toml"));
+    let again = arguments.out.as_ref().is_some_and(|out| in_folder(&arguments.table) == out.join("table.toml"));
     let (mut file, _) = if again { TableFile::load(&arguments.table)? } else { look_at(&arguments.table)? };
     if let Some(tick_us) = arguments.tick_us {
         let name = arguments.table.display();

@@ -21,7 +21,7 @@ pub struct Flash {
     /// The firmware: the ELF image that `cargo fw` builds.
     #[arg(long, value_name = "ELF")]
     pub image: Option<PathBuf>,
-    /// A table (table.toml or table.bin) for the parameter pages; what they held is lost.
+    /// A table (table.toml, its folder, or table.bin) for the parameter pages; what they held is lost.
     #[arg(long)]
     pub table: Option<PathBuf>,
     /// The chip, as probe-rs names it.

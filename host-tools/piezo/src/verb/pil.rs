@@ -21,8 +21,8 @@ use std::path::{Path, PathBuf};
 /// Arguments of `piezo pil`.
 #[derive(Args, Debug)]
 pub struct Pil {
-    /// Logs. A table.toml may stand before them: they are then prepared by its recipe, as `validate` does, and the
-    /// device must run this very table. Without it they are taken as they are, every n-th sample at the tick.
+    /// Logs. A table.toml, or its folder, may stand first: they are then prepared by its recipe, as `validate` does,
+    /// and the device must run this very table. Without it they are taken as they are, every n-th sample at the tick.
     #[arg(required = true, value_name = "[TABLE] LOG")]
     pub files: Vec<PathBuf>,
     /// Feed no more than so many ticks of each log.
@@ -45,7 +45,7 @@ pub struct Pil {
 /// Runs the verb; `false` when host and device differ in any bit.
 pub fn run(arguments: &Pil) -> Result<bool> {
     let interrupt = Interrupt::watch()?;
-    let is_table = |path: &Path| path.extension().is_some_and(|extension| extension == "toml");
+    let is_table = |path: &Path| table_files::in_folder(path).extension().is_some_and(|extension| extension == "toml");
     let (table, logs) = match &arguments.files[..] {
         [table, logs @ ..] if is_table(table) => (Some(table), logs),
         logs => (None, logs),

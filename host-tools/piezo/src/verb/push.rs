@@ -16,7 +16,7 @@ use std::path::PathBuf;
 /// Arguments of `piezo push`.
 #[derive(Args, Debug)]
 pub struct Push {
-    /// The table: table.toml, or the record in table.bin.
+    /// The table: table.toml or its folder, or the record in table.bin.
     pub table: PathBuf,
     /// Print what was done as JSON.
     #[arg(long)]
