@@ -12,8 +12,8 @@ pub struct Character {
     pub reversals: usize,
     /// Reversals that the model's deadband lets through.
     pub reversals_at_deadband: usize,
-    /// Steps of at least 10 % of the voltage span between two rests, in logs that are read often enough to show what
-    /// follows one.
+    /// Steps of at least 10 % of the voltage span from one rest to another, where the readings are close enough to show
+    /// the lag behind a step.
     pub steps: usize,
     half_cycles: Vec<HalfCycle>,
 }
