@@ -4,7 +4,7 @@
 //! page for a browser instead; with --udp the same samples as datagrams, besides.
 
 use super::device::{note_damage, require_estimating};
-use super::print::{out, read};
+use super::print::{out, still_read};
 use crate::option::link::PortOption;
 use crate::option::{choice, count, not_negative};
 use anyhow::{Result, ensure};
@@ -174,7 +174,7 @@ fn lines(watched: &mut Watched<'_, impl Fn() -> bool>, mut window: Window, json:
                 false => line(&window, watched.drives, received, lost),
             };
             // A pipe whose reader has gone, as `head` does, holds no port.
-            if !read(&said) {
+            if !still_read(&said) {
                 break;
             }
         }

@@ -10,11 +10,11 @@ pub fn progress(length: u64) -> indicatif::ProgressBar {
 /// Prints a line to standard output. A reader who has closed the pipe has seen enough; anything else that keeps the
 /// line from being written (a full disk) ends the program with exit code 2.
 pub fn out(line: &str) {
-    read(line);
+    still_read(line);
 }
 
-/// The same of a line that others are to follow, as long as somebody reads them: `false` where nobody does.
-pub fn read(line: &str) -> bool {
+/// The same of a line that others are to follow; whether somebody still reads them.
+pub fn still_read(line: &str) -> bool {
     crate::output::standard(format!("{line}\n").as_bytes()).unwrap_or_else(|error| {
         eprintln!("piezo: {error:#}");
         std::process::exit(2)
