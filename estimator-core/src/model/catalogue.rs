@@ -173,7 +173,7 @@ models! {
     /// Of the Duhem family: Bouc–Wen with asymmetry.
     BoucWen, "bouc-wen", "Bouc–Wen", BoucWenParameters, (9_600, 21_100);
     /// Relays with a density on a grid, Eq. (3.1–3.5).
-    Preisach, "preisach", "Preisach (3.1)", PreisachParameters, (20_300, 106_500);
+    Preisach, "preisach", "Preisach (3.1)", PreisachParameters, (20_300, 51_000);
     /// Black box of Table 5.1: a polynomial of past voltages and displacements, and of extrema.
     Narx, "narx", "NARX (Table 5.1)", NarxParameters, (51_000, 51_000);
     /// Fifteen play operators behind one envelope in a chain with delay, lag, creep and resonance.

@@ -214,6 +214,25 @@ proptest! {
         }
     }
 
+    /// Whatever the memory holds, and when it is full.
+    #[test]
+    fn to_try_a_voltage_gives_what_a_step_gives(
+        parameters in either(), voltages in voltages(200), calm in 0.0f64..1.0, tried in -25.0f64..85.0,
+    ) {
+        let model = model::<f64>(&parameters);
+        let mut state = model.begin(-20.0, None);
+        for (index, voltage) in voltages.into_iter().enumerate() {
+            // Swings that shrink in the end fill the memory.
+            let voltage = 30.0 + (voltage - 30.0) * (-calm * index as f64 / 20.0).exp();
+            let before = state.clone();
+            let tried = 30.0 + (tried - 30.0) * (-calm * index as f64 / 20.0).exp();
+            let found = model.peek(&state, tried);
+            prop_assert_eq!(&state, &before);
+            prop_assert_eq!(found, model.step(&mut state.clone(), tried));
+            model.step(&mut state, voltage);
+        }
+    }
+
     #[test]
     fn wiping_out(parameters in either(), voltages in voltages(60)) {
         let inner: Vec<f64> = voltages.iter().map(|&voltage| voltage.clamp(5.0, 60.0)).collect();
@@ -249,6 +268,9 @@ proptest! {
         let mut swing = 50.0;
         for factor in factors {
             swing *= -factor;
+            let displacement = single.step(&mut state, 30.0 + swing);
+            prop_assert!(reach.contains(displacement), "{} not in {:?}", displacement, reach);
+            // Once it has forgotten what was too much.
             let displacement = single.step(&mut state, 30.0 + swing);
             prop_assert!(reach.contains(displacement), "{} not in {:?}", displacement, reach);
             let columns = laws::columns(&single, &state);

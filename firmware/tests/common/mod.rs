@@ -3,10 +3,9 @@
 
 pub mod driven;
 
-use estimator_core::model::CELLS;
 use estimator_core::table::Interface;
 use estimator_core::{
-    AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, List, Parameters, PreisachParameters, Range,
+    AdcCode, Admitted, BoucWenParameters, DacCode, DriveCalibration, DriveLimits, Parameters, Range,
     SetpointCalibration, Table,
 };
 use firmware::drive::Drive;
@@ -63,13 +62,23 @@ pub fn driving() -> Admitted {
     Table { drive: Some(drive), ..*compiled() }.admit().expect("the Voigt family has an inverse")
 }
 
-/// A table whose drive takes more of a tick than there may be: Preisach's model, driving an amplifier
-/// as [`driving`] does.
+/// A table whose drive takes more of a tick than there may be: the Bouc–Wen model with an exponent of 2,
+/// which it integrates in steps, driving an amplifier as [`driving`] does.
 pub fn too_long() -> Admitted {
-    let densities_um = List::collect((0..CELLS).map(|_| 0.5)).expect("as many as there may be");
-    let of = PreisachParameters { lower_v: -0.18, upper_v: 3.78, densities_um, offset_um: 0.0 };
+    let of = BoucWenParameters {
+        lag_s: 0.0,
+        a: 1.0,
+        beta: 0.5,
+        gamma: 0.3,
+        delta: 0.0,
+        n: 2.0,
+        offset_um: 0.0,
+        d1_um_per_v: 15.0,
+        d2_um_per_v2: 0.0,
+        c_um_per_v: -3.0,
+    };
     let limits = Range { min: -50.0, max: 100.0 };
-    let table = Table { parameters: Parameters::Preisach(of), displacement_limits_um: limits, ..*driving() };
+    let table = Table { parameters: Parameters::BoucWen(of), displacement_limits_um: limits, ..*driving() };
     table.admit().expect("it has an inverse")
 }
 

@@ -51,7 +51,7 @@ fn what_it_cannot_run_is_refused_and_the_old_table_stays() {
         (change(|table| table.adc.full_scale = 4095), "an ADC up to 4095, not 65520"),
         (change(|table| table.dac.full_scale = 65_535), "a DAC up to 65535, not 4095"),
         (change(|table| table.sample_period_us = 400), "a tick of 400 µs, not 500 µs"),
-        (record(&too_long()), "driving takes up to 106500 cycles a tick, 125 % of its time, not 60 % at most"),
+        (record(&too_long()), "driving takes up to 68700 cycles a tick, 81 % of its time, not 60 % at most"),
     ];
     for (bad, why) in refused {
         match bench.ask(Request::Push { record: bad, while_estimating: false, rewired: false }) {
@@ -118,7 +118,7 @@ fn it_starts_with_the_newest_stored_table_else_the_compiled_else_none_and_says_w
     let Chosen { table, source, doubts } = choose(&mut store, TABLE);
     let TableSource::Compiled { reason } = source else { panic!("{source:?}") };
     assert!(
-        doubts == Faults::TABLE_FALLBACK && table == Some(compiled()) && reason.contains("takes up to 106500 cycles"),
+        doubts == Faults::TABLE_FALLBACK && table == Some(compiled()) && reason.contains("takes up to 68700 cycles"),
         "{reason}"
     );
 

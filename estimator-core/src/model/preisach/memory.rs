@@ -5,16 +5,16 @@
 //! The displacement is that of the last reversal plus or minus the Everett function from there: one interpolation a
 //! tick.
 //!
-//! Memory is fixed: 24 reversals. When the 25th comes, two successive maxima (or minima) with what lies between them
-//! are merged into one, at the voltage between them at which as much area of the Preisach plane is switched up as down;
-//! of all such places, the one where that area is smallest. With q and p the distances of the extreme between them from
-//! those before and behind it, and A that of the two, either area is `A·p·q/(p + q)`. A uniform density notices nothing
-//! of it. The rectangles A·(p + q) of the 22 places cover the plane's n²/2 cells at most twice, so the smallest area is
-//! at most n²/88 cells, and the displacement changes by at most that many times the largest density. What remains is
-//! again the memory of some history. Areas, not masses, decide, so that the memory (and with it the columns of the
-//! identification) does not depend on the densities. Which pair is merged hangs on the last bit of a voltage, and so
-//! places are `f32` in every number type: reference and target remember and forget the same. Such a tick costs up to 24
-//! interpolations and 22 divisions.
+//! Memory is fixed: 24 reversals. At the end of the tick that brings the 25th, two successive maxima (or minima) with
+//! what lies between them are merged into one, at the voltage between them at which as much area of the Preisach plane
+//! is switched up as down; of all such places, the one where that area is smallest. With q and p the distances of the
+//! extreme between them from those before and behind it, and A that of the two, either area is `A·p·q/(p + q)`. A
+//! uniform density notices nothing of it. The rectangles A·(p + q) of the 22 places cover the plane's n²/2 cells at
+//! most twice, so the smallest area is at most n²/88 cells, and the displacement changes by at most that many times the
+//! largest density. What remains is again the memory of some history. Areas, not masses, decide, so that the memory
+//! (and with it the columns of the identification) does not depend on the densities. Which pair is merged hangs on the
+//! last bit of a voltage, and so places are `f32` in every number type: reference and target remember and forget the
+//! same. Such a tick costs up to 24 interpolations and 22 divisions.
 
 use super::everett::Everett;
 use crate::math::Real;
@@ -33,7 +33,8 @@ pub(super) struct Reversal<T> {
 /// The reversals, and the voltage and displacement now.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PreisachState<T> {
-    reversals: Vec<Reversal<T>, REVERSALS>,
+    /// Full only within a tick.
+    reversals: Vec<Reversal<T>, { REVERSALS + 1 }>,
     now: Reversal<T>,
 }
 
@@ -52,13 +53,20 @@ impl<T: Real> PreisachState<T> {
         self.reversals.len()
     }
 
-    /// Negative saturation, every reversal in turn, and now; every second one is a minimum.
-    pub(super) fn points(&self) -> impl Iterator<Item = Reversal<T>> + Clone + '_ {
-        core::iter::once(Self::floor()).chain(self.reversals.iter().copied()).chain([self.now])
+    /// Negative saturation and every reversal in turn; every second one is a minimum.
+    fn extremes(&self) -> impl Iterator<Item = Reversal<T>> + Clone + '_ {
+        core::iter::once(Self::floor()).chain(self.reversals.iter().copied())
     }
 
-    fn rising(&self) -> bool {
-        self.reversals.len().is_multiple_of(2)
+    /// The extremes, and now.
+    pub(super) fn points(&self) -> impl Iterator<Item = Reversal<T>> + Clone + '_ {
+        self.extremes().chain([self.now])
+    }
+
+    /// What [`go`](Self::go) would return.
+    #[inline]
+    pub(super) fn peek(&self, everett: &Everett<T>, at: f32) -> T {
+        if at == self.now.at { self.now.displacement } else { self.branch(everett, self.left(at), at).displacement }
     }
 
     /// Takes a voltage (units of the grid, 0…n); returns the displacement (µm) above negative saturation.
@@ -67,18 +75,47 @@ impl<T: Real> PreisachState<T> {
         if at == self.now.at {
             return self.now.displacement;
         }
-        if (at < self.now.at) == self.rising() {
-            self.remember(everett);
+        let left = self.left(at);
+        let there = self.branch(everett, left, at);
+        if left > self.reversals.len() {
+            // There is a place: a full memory has forgotten two in the tick that filled it.
+            let _ = self.reversals.push(self.now);
+        } else {
+            self.reversals.truncate(left);
         }
-        self.wipe(at);
-        self.now = self.branch(everett, self.reversals.len(), at);
-        self.now.displacement
+        self.now = there;
+        if self.reversals.is_full() {
+            self.forget(everett);
+        }
+        there.displacement
     }
 
-    /// Where the branch from the last of the first `count` reversals is at this voltage.
+    /// Reversals that are left on the way to a voltage other than now's, one more than there are where it turns now.
+    #[inline]
+    fn left(&self, at: f32) -> usize {
+        let count = self.reversals.len();
+        let turns = (at < self.now.at) == count.is_multiple_of(2);
+        let mut left = count + usize::from(turns);
+        while let Some(last) = left.checked_sub(1) {
+            let older = last.checked_sub(1).and_then(|index| self.reversals.get(index)).map_or(0.0, |r| r.at);
+            let passed = if left.is_multiple_of(2) { at >= older } else { at <= older };
+            if !passed {
+                break;
+            }
+            // The first fall ends at the negative saturation, which is no entry.
+            left = last.saturating_sub(1);
+        }
+        left
+    }
+
+    /// Where the branch from the last of the first `count` reversals is at this voltage; behind the last of all comes
+    /// now.
     #[inline]
     fn branch(&self, everett: &Everett<T>, count: usize, at: f32) -> Reversal<T> {
-        let from = count.checked_sub(1).and_then(|last| self.reversals.get(last)).copied().unwrap_or(Self::floor());
+        let from = match count.checked_sub(1) {
+            Some(last) => self.reversals.get(last).copied().unwrap_or(self.now),
+            None => Self::floor(),
+        };
         let displacement = if count.is_multiple_of(2) {
             from.displacement + everett.between(T::of(at), T::of(from.at))
         } else {
@@ -87,22 +124,10 @@ impl<T: Real> PreisachState<T> {
         Reversal { at, displacement }
     }
 
-    fn wipe(&mut self, at: f32) {
-        while let Some(last) = self.reversals.len().checked_sub(1) {
-            let older = last.checked_sub(1).and_then(|index| self.reversals.get(index)).map_or(0.0, |r| r.at);
-            let passed = if self.rising() { at >= older } else { at <= older };
-            if !passed {
-                return;
-            }
-            // The first fall ends at the negative saturation, which is no entry.
-            self.reversals.truncate(last.saturating_sub(1));
-        }
-    }
-
     #[cold]
     fn forget(&mut self, everett: &Everett<T>) {
         let mut smallest: Option<(usize, f32, f32)> = None;
-        let points = || self.points().map(|point| point.at);
+        let points = || self.extremes().map(|point| point.at);
         let between = points().zip(points().skip(2)).zip(points().skip(4));
         for (index, (((before, middle), after), (first, second))) in
             between.zip(points().skip(1).zip(points().skip(3))).enumerate()
@@ -119,7 +144,7 @@ impl<T: Real> PreisachState<T> {
         if let Some(first) = self.reversals.get_mut(index) {
             first.at = merged;
         }
-        // `index` counts quintuples of points, whose middle three are reversals: these two exist.
+        // `index` counts quintuples of extremes, whose middle three are reversals: these two exist.
         self.reversals.remove(index + 1);
         self.reversals.remove(index + 1);
         for place in index..self.reversals.len() {
@@ -130,13 +155,5 @@ impl<T: Real> PreisachState<T> {
             }
         }
         self.now = self.branch(everett, self.reversals.len(), self.now.at);
-    }
-
-    fn remember(&mut self, everett: &Everett<T>) {
-        if self.reversals.is_full() {
-            self.forget(everett);
-        }
-        // There is a place: two were made if there was none.
-        let _ = self.reversals.push(self.now);
     }
 }

@@ -143,6 +143,12 @@ impl<T: Real> Recursion<T> for Preisach<T> {
         self.offset + state.go(&self.everett, self.place(voltage))
     }
 
+    /// Of a memory that is left as it is: a copy of it would be most of what the search of an inverse takes.
+    #[inline]
+    fn peek(&self, state: &Self::State, voltage: T) -> T {
+        self.offset + state.peek(&self.everett, self.place(voltage))
+    }
+
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
         within(self.reach(voltage), limits)
     }
