@@ -34,6 +34,10 @@ pub trait Real: FloatCore + Debug + Display + Send + Sync + 'static {
     fn of(value: f32) -> Self;
     /// The nearest `f32`: what the target would have.
     fn single(self) -> f32;
+    /// The same number.
+    fn double(self) -> f64;
+    /// The number of this type that is nearest to one of either.
+    fn nearest<U: Real>(value: U) -> Self;
     /// Towards zero, saturating at 0 and `u32::MAX`; 0 for NaN. One instruction of the target, unlike the
     /// same to `u16`.
     fn to_u32_saturating(self) -> u32;
@@ -95,6 +99,16 @@ impl Real for f32 {
     }
 
     #[inline]
+    fn double(self) -> f64 {
+        self.into()
+    }
+
+    #[inline]
+    fn nearest<U: Real>(value: U) -> Self {
+        value.single()
+    }
+
+    #[inline]
     fn to_u32_saturating(self) -> u32 {
         self as u32
     }
@@ -125,6 +139,16 @@ impl Real for f64 {
     #[inline]
     fn single(self) -> f32 {
         self as f32
+    }
+
+    #[inline]
+    fn double(self) -> f64 {
+        self
+    }
+
+    #[inline]
+    fn nearest<U: Real>(value: U) -> Self {
+        value.double()
     }
 
     #[inline]

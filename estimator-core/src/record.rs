@@ -15,7 +15,7 @@ use crate::sealed::{self, CHECKSUM, Unsealed};
 use crate::table::{Admitted, Table, TableError};
 
 /// Format version that this software writes and reads.
-pub const VERSION: u16 = 10;
+pub const VERSION: u16 = 11;
 /// No record is longer than this, bytes.
 pub const MAX_LENGTH: usize = 735;
 

@@ -40,9 +40,9 @@ fn plays_with_lag_and_creep_beat_voigt_on_what_neither_has_seen() {
     let models: Vec<&Value> = rows.iter().map(|row| &row["model"]).collect();
     assert_eq!(models, ["generalised-prandtl-ishlinskii", "voigt", "preisach"]);
     let evaluations: Vec<f64> = (0..3).map(|row| number(&result, &format!("/rows/{row}/evaluations"))).collect();
-    // They end where they find nothing better; of a model that nothing is searched of there is one.
+    // They end where they find nothing better; of Preisach's, only the lateness is searched.
     assert!(evaluations[..2].iter().all(|made| (200.0..=1500.0).contains(made)), "{evaluations:?}");
-    assert_eq!(evaluations[2], 1.0);
+    assert!((20.0..200.0).contains(&evaluations[2]), "{evaluations:?}");
     let mae = |row: usize| number(&result, &format!("/rows/{row}/held_out/all/mae_um"));
     assert!(mae(0) <= 0.12 * mae(1), "generalised {} against Voigt {}", mae(0), mae(1));
     assert_eq!(mae(0), number(&result, "/rows/0/held_out/logs/0/errors/mae_um"));
@@ -82,8 +82,8 @@ fn a_model_without_an_admissible_candidate_is_a_row() {
     let folder = tempfile::tempdir().unwrap();
     let rig = folder.path().join("rig");
     piezo().args(["simulate", "--duration", "0.5", "--out"]).arg(&rig).assert().success();
-    // Two candidates and hardly any room: nothing is found.
-    let search = ["--budget", "2", "--limit", "1.2", "--start", "random"];
+    // Ten candidates and hardly any room: of nine numbers nothing is found.
+    let search = ["--budget", "10", "--limit", "1.2", "--start", "random"];
     let out = folder.path().join("out");
     let result = json(
         piezo()

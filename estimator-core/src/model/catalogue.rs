@@ -97,6 +97,17 @@ macro_rules! models {
                 match self { $(Self::$model(of) => of.delay_ticks(),)* }
             }
 
+            /// Time constant of its lag, s: [`Published::lag_s`].
+            pub fn lag_s(&self) -> f32 {
+                match self { $(Self::$model(of) => of.lag_s(),)* }
+            }
+
+            /// Does what [`Published::with_lag`] says.
+            #[must_use]
+            pub fn with_lag(self, lag_s: f32) -> Self {
+                match self { $(Self::$model(of) => Self::$model(of.with_lag(lag_s)),)* }
+            }
+
             /// The model ready to run.
             pub fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Engine<T> {
                 match self {
@@ -165,15 +176,15 @@ models! {
     /// Kelvin–Voigt elements in series, Eq. (3.20).
     VoigtChain, "voigt-chain", "Voigt chain (3.20)", VoigtChainParameters, (11_700, 40_600);
     /// Play operators and a superposition of dead zones, Eq. (3.6–3.9).
-    PrandtlIshlinskii, "prandtl-ishlinskii", "Prandtl–Ishlinskii (3.9)", PrandtlIshlinskiiParameters, (11_600, 30_200);
+    PrandtlIshlinskii, "prandtl-ishlinskii", "Prandtl–Ishlinskii (3.9)", PrandtlIshlinskiiParameters, (11_200, 30_600);
     /// Elasto-slide elements in parallel, Eq. (3.10).
-    MaxwellSlip, "maxwell-slip", "Maxwell-slip (3.10)", MaxwellSlipParameters, (10_900, 21_900);
+    MaxwellSlip, "maxwell-slip", "Maxwell-slip (3.10)", MaxwellSlipParameters, (10_900, 17_500);
     /// Coleman and Hodgdon's form of Eq. (3.11).
     Duhem, "duhem", "Duhem (3.11)", DuhemParameters, (9_900, 16_900);
     /// Of the Duhem family: Bouc–Wen with asymmetry.
-    BoucWen, "bouc-wen", "Bouc–Wen", BoucWenParameters, (9_600, 21_100);
+    BoucWen, "bouc-wen", "Bouc–Wen", BoucWenParameters, (9_600, 21_700);
     /// Relays with a density on a grid, Eq. (3.1–3.5).
-    Preisach, "preisach", "Preisach (3.1)", PreisachParameters, (20_300, 51_000);
+    Preisach, "preisach", "Preisach (3.1)", PreisachParameters, (20_400, 37_000);
     /// Black box of Table 5.1: a polynomial of past voltages and displacements, and of extrema.
     Narx, "narx", "NARX (Table 5.1)", NarxParameters, (51_000, 51_000);
     /// Fifteen play operators behind one envelope in a chain with delay, lag, creep and resonance.

@@ -10,12 +10,6 @@
 //! can reach is left to the table's limits.
 
 use crate::math::Real;
-use crate::rule::Rule;
-
-/// The longest tick of a table, s.
-pub const LONGEST_TICK_S: f32 = 1.0;
-/// What a lag that asks for more is told.
-pub const LAG_RULE: Rule = "lag_s must be at least -1, the longest tick";
 
 /// a of the equation above, 0 to 1.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -33,10 +27,14 @@ impl<T: Real> LookAhead<T> {
         Self(T::zero())
     }
 
-    /// A quantity seen ahead; without a look-ahead it is the one of now itself, and the one a tick ago is
-    /// not asked for.
+    /// Whether what is seen hangs on a tick ago.
+    pub fn is_some(&self) -> bool {
+        self.0 > T::zero()
+    }
+
+    /// A quantity seen ahead, of now and a tick ago; without a look-ahead it is the one of now itself.
     #[inline]
-    pub fn of(&self, now: T, before: impl FnOnce() -> T) -> T {
-        if self.0 > T::zero() { now + self.0 * (now - before()) } else { now }
+    pub fn of(&self, now: T, before: T) -> T {
+        if self.is_some() { now + self.0 * (now - before) } else { now }
     }
 }

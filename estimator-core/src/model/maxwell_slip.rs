@@ -17,8 +17,10 @@
 //! - Plays of one input obey `|y_bi − y_bj| ≤ |δ_i − δ_j|`, so the points `y_bi ± δ_i` at which elements begin to slip
 //!   are in the order of δ, in either direction. One pass that stops at the first element that sticks finds m.
 //!
-//! The result is exact and absolute: nothing is summed from tick to tick. Rate-independent. `k_0 > 0` keeps it bounded.
+//! The result is exact and absolute: nothing is summed from tick to tick. Rate-independent; V is
+//! the voltage behind a lag (`lagged.rs`). `k_0 > 0` keeps it bounded.
 
+use super::lagged::{self, Lagged};
 use super::play::play;
 use super::{Discretisation, Published, Recursion};
 use crate::admissible::{Inadmissible, within};
@@ -35,6 +37,9 @@ pub const ELEMENTS: usize = 10;
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MaxwellSlipParameters {
+    /// Time constant of the input lag, s; 0 is none. Below 0 the time by which the displacement is ahead of a tick
+    /// after its voltage: at most a tick of it counts.
+    pub lag_s: f32,
     /// Stiffness k_i of the elements, V/µm.
     pub stiffness_v_per_um: List<ELEMENTS>,
     /// Saturation W_i of the elements, V, such that `W_i/k_i` increases.
@@ -46,13 +51,22 @@ pub struct MaxwellSlipParameters {
 }
 
 impl Published for MaxwellSlipParameters {
-    type Coefficients<T: Real> = MaxwellSlip<T>;
+    type Coefficients<T: Real> = Lagged<T, MaxwellSlip<T>>;
 
-    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> MaxwellSlip<T> {
-        MaxwellSlip::build(self, discretisation.sample_period)
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Lagged<T, MaxwellSlip<T>> {
+        Lagged::build(self.lag_s, discretisation.sample_period, MaxwellSlip::build(self))
+    }
+
+    fn lag_s(&self) -> f32 {
+        self.lag_s
+    }
+
+    fn with_lag(self, lag_s: f32) -> Self {
+        Self { lag_s, ..self }
     }
 
     fn check(&self) -> Result<(), Rule> {
+        lagged::check(self.lag_s)?;
         let (stiffness, saturation) = (&self.stiffness_v_per_um, &self.saturation_v);
         if stiffness.len() != saturation.len() {
             return Err("saturation_v must be as many as stiffness_v_per_um");
@@ -105,9 +119,8 @@ pub struct MaxwellSlipState<T> {
 }
 
 impl<T: Real> MaxwellSlip<T> {
-    /// Coefficients of a set without a [fault](MaxwellSlipParameters::check). The model has no time in it: the sample
-    /// period (s) is not used.
-    pub fn build(parameters: &MaxwellSlipParameters, _sample_period: T) -> Self {
+    /// Coefficients of a set without a [fault](MaxwellSlipParameters::check); the lag is not among them.
+    pub fn build(parameters: &MaxwellSlipParameters) -> Self {
         let base_stiffness = T::of(parameters.base_stiffness_v_per_um);
         let nothing = Element { stiffness: T::zero(), yield_um: T::zero(), compliance_beyond: T::zero() };
         let mut elements = [nothing; ELEMENTS];

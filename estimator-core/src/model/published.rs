@@ -68,4 +68,16 @@ pub trait Published: Copy {
     fn delay_ticks(&self) -> f32 {
         0.0
     }
+
+    /// Time constant of the first-order lag that the model stands behind, s; 0 of one that has none, below 0 of one
+    /// that is [seen ahead](super::LookAhead).
+    fn lag_s(&self) -> f32 {
+        0.0
+    }
+
+    /// The same with another lag, s; a model that has none stays as it is.
+    #[must_use]
+    fn with_lag(self, _lag_s: f32) -> Self {
+        self
+    }
 }

@@ -7,6 +7,7 @@ use proptest::prelude::*;
 
 /// Yield displacements 0.25, 0.5, 2, 4 µm.
 const PARAMETERS: MaxwellSlipParameters = MaxwellSlipParameters {
+    lag_s: 0.0,
     stiffness_v_per_um: List::of([4.0, 3.0, 2.0, 1.0]),
     saturation_v: List::of([1.0, 1.5, 4.0, 4.0]),
     base_stiffness_v_per_um: 5.0,
@@ -16,7 +17,7 @@ const PARAMETERS: MaxwellSlipParameters = MaxwellSlipParameters {
 const RANGE: Range<f64> = Range { min: -20.0, max: 80.0 };
 
 fn model<T: Real>() -> MaxwellSlip<T> {
-    MaxwellSlip::build(&PARAMETERS, T::of(1e-4))
+    MaxwellSlip::build(&PARAMETERS)
 }
 
 fn run<T: Real>(voltages: &[T]) -> Vec<T> {
@@ -108,6 +109,7 @@ fn every_rule_has_its_fault() {
     let spring = MaxwellSlipParameters { stiffness_v_per_um: none, saturation_v: none, ..PARAMETERS };
     assert_eq!(spring.check(), Ok(()), "a spring alone is a model");
     let broken = [
+        (MaxwellSlipParameters { lag_s: -1.1, ..PARAMETERS }, "lag_s"),
         (MaxwellSlipParameters { saturation_v: List::of([1.0]), ..PARAMETERS }, "as many"),
         (MaxwellSlipParameters { offset_v: f32::INFINITY, ..PARAMETERS }, "finite"),
         (MaxwellSlipParameters { stiffness_v_per_um: List::of([4.0, 0.0, 2.0, 1.0]), ..PARAMETERS }, "positive"),
@@ -117,7 +119,7 @@ fn every_rule_has_its_fault() {
     ];
     for (parameters, part) in broken {
         assert!(parameters.check().is_err_and(|rule| rule.contains(part)), "{part}: {:?}", parameters.check());
-        let model = MaxwellSlip::<f32>::build(&parameters, 1e-4);
+        let model = MaxwellSlip::<f32>::build(&parameters);
         model.step(&mut model.begin(0.0, Some(1.0)), 10.0);
     }
 }

@@ -11,9 +11,12 @@ use estimator_core::*;
 /// With hysteresis in every model that can have some, and no lag that filters the noise where there need be none.
 fn table(model: Model, deadband_codes: f32) -> Admitted {
     let mut table = table_read_by_12_bits(model, deadband_codes);
+    if model != Model::GeneralisedPrandtlIshlinskii {
+        table.parameters = table.parameters.with_lag(0.0);
+    }
     match &mut table.parameters {
-        Parameters::Duhem(of) => *of = DuhemParameters { lag_s: 0.0, alpha_per_v: 0.1, g0_um_per_v: 0.12, ..*of },
-        Parameters::BoucWen(of) => *of = BoucWenParameters { lag_s: 0.0, n: 1.0, ..*of },
+        Parameters::Duhem(of) => *of = DuhemParameters { alpha_per_v: 0.1, g0_um_per_v: 0.12, ..*of },
+        Parameters::BoucWen(of) => *of = BoucWenParameters { n: 1.0, ..*of },
         Parameters::VoltageExtremum(of) => *of = VoigtParameters { g_um_per_s: -3.0, h: 0.6, ..*of },
         Parameters::DisplacementExtremum(of) => *of = VoigtParameters { e_m_per_s: 2e-5, f: 1.1, ..*of },
         Parameters::Enhanced(of) => {

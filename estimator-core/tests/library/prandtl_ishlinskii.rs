@@ -9,6 +9,7 @@ use exact::ExactInverse;
 use proptest::prelude::*;
 
 const SYMMETRIC: PrandtlIshlinskiiParameters = PrandtlIshlinskiiParameters {
+    lag_s: 0.0,
     thresholds_v: List::of([0.0, 2.0, 5.0, 10.0, 20.0]),
     weights_um_per_v: List::of([0.08, 0.03, 0.02, 0.0, 0.04]),
     offset_um: 0.5,
@@ -28,7 +29,7 @@ const SPAN_UM: f64 = 15.0;
 const RANGE: Range<f64> = Range { min: -20.0, max: 80.0 };
 
 fn model<T: Real>(parameters: &PrandtlIshlinskiiParameters) -> PrandtlIshlinskii<T> {
-    PrandtlIshlinskii::build(parameters, T::of(1e-4))
+    PrandtlIshlinskii::build(parameters)
 }
 
 fn run<T: Real>(model: &PrandtlIshlinskii<T>, voltages: &[T]) -> Vec<T> {
@@ -101,6 +102,7 @@ fn a_known_displacement_is_begun_with_and_one_out_of_reach_comes_nearest() {
 fn every_rule_has_its_fault() {
     assert_eq!([SYMMETRIC.check(), ASYMMETRIC.check()], [Ok(()), Ok(())]);
     let broken = [
+        (PrandtlIshlinskiiParameters { lag_s: f32::INFINITY, ..SYMMETRIC }, "lag_s"),
         (PrandtlIshlinskiiParameters { weights_um_per_v: List::of([1.0]), ..SYMMETRIC }, "as many"),
         (PrandtlIshlinskiiParameters { memory_v: Range { min: 0.0, max: 39.0 }, ..SYMMETRIC }, "half of memory_v"),
         (PrandtlIshlinskiiParameters { memory_v: Range { min: 1.0, max: f32::NAN }, ..SYMMETRIC }, "ordered"),

@@ -53,6 +53,8 @@ impl Random {
 fn varied(parameters: Parameters, random: &mut Random) -> Parameters {
     match parameters {
         Parameters::Preisach(of) => Parameters::Preisach(PreisachParameters {
+            // A lag decides by its last bit what a full memory forgets.
+            lag_s: if random.next() < 0.5 { 0.0 } else { random.between(1e-4, 5e-3) },
             densities_um: List::collect((0..CELLS).map(|_| random.between(0.0, 1.5).powi(2))).unwrap(),
             ..of
         }),

@@ -10,8 +10,13 @@ use estimator_core::{List, Range, Real};
 use proptest::prelude::*;
 use relays::Unlimited;
 
-const UNIFORM: PreisachParameters =
-    PreisachParameters { lower_v: -20.0, upper_v: 80.0, densities_um: List::of([1.0; 10]), offset_um: -1.5 };
+const UNIFORM: PreisachParameters = PreisachParameters {
+    lag_s: 0.0,
+    lower_v: -20.0,
+    upper_v: 80.0,
+    densities_um: List::of([1.0; 10]),
+    offset_um: -1.5,
+};
 
 /// Six cells along an edge, some of them empty.
 const UNEVEN: PreisachParameters = PreisachParameters {
@@ -27,7 +32,7 @@ const ROUNDED: f64 = 1e-5;
 const RANGE: Range<f64> = Range { min: -20.0, max: 80.0 };
 
 fn model<T: Real>(parameters: &PreisachParameters) -> Preisach<T> {
-    Preisach::build(parameters, T::of(1e-4))
+    Preisach::build(parameters)
 }
 
 /// From negative saturation.
@@ -149,6 +154,7 @@ fn a_known_displacement_is_begun_with_and_one_out_of_reach_comes_nearest() {
 fn every_rule_has_its_fault() {
     assert_eq!([UNIFORM.check(), UNEVEN.check()], [Ok(()), Ok(())]);
     let broken = [
+        (PreisachParameters { lag_s: f32::NAN, ..UNIFORM }, "lag_s"),
         (PreisachParameters { upper_v: f32::NAN, ..UNIFORM }, "finite"),
         (PreisachParameters { upper_v: -20.0, ..UNIFORM }, "above"),
         (PreisachParameters { lower_v: f32::MIN, upper_v: f32::MAX, ..UNIFORM }, "above"),
@@ -201,6 +207,27 @@ fn a_full_memory_forgets_little() {
     }
 }
 
+/// Before a full memory forgets, in the tick in which it does, and afterwards; of voltages that turn, go on, and wipe
+/// out.
+#[test]
+fn to_try_a_voltage_gives_what_a_step_gives_when_the_memory_is_full() {
+    let model = model::<f64>(&UNEVEN);
+    let mut state = model.begin(-20.0, None);
+    let mut fullest = 0;
+    for voltage in spiral(60, 0.97) {
+        let (now, swing) = (voltage, 30.0 - voltage);
+        for tried in [now, now + 0.01 * swing, now - 0.01 * swing, now + 1.9 * swing, now + 3.0 * swing, 85.0, -25.0] {
+            let before = state.clone();
+            let found = model.peek(&state, tried);
+            assert_eq!(state, before);
+            assert_eq!(found, model.step(&mut state.clone(), tried), "{tried} V");
+        }
+        model.step(&mut state, voltage);
+        fullest = fullest.max(state.reversals());
+    }
+    assert_eq!(fullest, REVERSALS);
+}
+
 proptest! {
     /// The same as a memory without limit and without increments.
     #[test]
@@ -214,7 +241,7 @@ proptest! {
         }
     }
 
-    /// Whatever the memory holds, and when it is full.
+    /// Whatever the memory holds.
     #[test]
     fn to_try_a_voltage_gives_what_a_step_gives(
         parameters in either(), voltages in voltages(200), calm in 0.0f64..1.0, tried in -25.0f64..85.0,

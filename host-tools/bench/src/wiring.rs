@@ -147,6 +147,7 @@ fn straight_line(
         voltage_range_v: all,
         displacement_limits_um: Range { min: 1.1 * all.min - 1.0, max: 1.1 * all.max + 1.0 },
         parameters: Parameters::PrandtlIshlinskii(PrandtlIshlinskiiParameters {
+            lag_s: 0.0,
             thresholds_v: List::of([0.0]),
             weights_um_per_v: List::of([1.0]),
             offset_um: 0.0,

@@ -25,9 +25,8 @@
 //!    Found = Parameters`, and `project` ends in `.then_some(Parameters::Toy(parameters))`. `mod toy;` and an arm of
 //!    `of` in `family/mod.rs`, for which the compiler asks: `Model::Toy => vec![Box::new(toy::ToyFamily)]`. A family
 //!    whose ranges follow from the logs (a play's half-width, say) takes the [`Problem`] in a `new`, as
-//!    `family/duhem.rs` does. The lag of a model that has one, as this has, is told to `late_s` in
-//!    `host-tools/prediction-interval/src/lib.rs`, which takes none of others; and `burden` charges for it, as
-//!    `family/duhem.rs` has it, since logs of one frequency can hardly tell it from a wider loop.
+//!    `family/duhem.rs` does. A lag is charged for in `burden`, as `family/duhem.rs` has it, since logs of one
+//!    frequency can hardly tell it from a wider loop.
 //!
 //! `cargo run --release -- identify tests/data/picma-p885-1hz.csv --model toy --out out/toy` then runs, and so does
 //! every other verb. What goes through all models wants the new one:
@@ -47,13 +46,12 @@
 //!    in `estimator-core/tests/library/table.rs`, the two `table.bin` in `tests/data/table` (`cargo run --release --
 //!    emit FOLDER/table.toml --out FOLDER` writes them), and the line in CHANGELOG.md.
 //! 7. What goes on without it and nobody asks: the book's and README's number of models; `FREE` in
-//!    `cross_validation.rs` beside Part 2, of a model of many weights that no law ties to each other; `without_lag` in
-//!    `host-tools/thesis/src/features.rs`, of one with a lag; `coarse` in `tests/board/tests/image/cycles/tables.rs`,
-//!    of one with an offset; and `table/rate.rs` of the core, of one whose equations know no tick, which alone is
-//!    brought to another tick without a search.
+//!    `cross_validation.rs` beside Part 2, of a model of many weights that no law ties to each other; `coarse` in
+//!    `tests/board/tests/image/cycles/tables.rs`, of one with an offset; and `table/rate.rs` of the core, of one whose
+//!    equations know no tick, which alone is brought to another tick without a search.
 
 use estimator_core::admissible::within;
-use estimator_core::model::{Lag, Relaxed};
+use estimator_core::model::{Lagged, LaggedState};
 use estimator_core::{Discretisation, Inadmissible, Linear, Published, Range, Real, Recursion, Rule, Running, rule};
 use identification::cost::{Cost, Feedback};
 use identification::family::{Family, Projection};
@@ -83,20 +81,25 @@ struct ToyParameters {
 /// Per-tick coefficients, in `f32` on the target and in `f64` as the reference.
 #[derive(Clone, Copy, PartialEq, Debug)]
 struct Toy<T> {
-    lag: Lag<T>,
     gain: T,
     offset: T,
 }
 
 impl Published for ToyParameters {
-    type Coefficients<T: Real> = Toy<T>;
+    /// A model without time in it stands behind a lag by this; one with dynamics of its own is itself the coefficients.
+    type Coefficients<T: Real> = Lagged<T, Toy<T>>;
 
-    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Toy<T> {
-        Toy {
-            lag: Lag::build(T::of(self.lag_s), discretisation.sample_period),
-            gain: T::of(self.gain_um_per_v),
-            offset: T::of(self.offset_um),
-        }
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Lagged<T, Toy<T>> {
+        let model = Toy { gain: T::of(self.gain_um_per_v), offset: T::of(self.offset_um) };
+        Lagged::build(self.lag_s, discretisation.sample_period, model)
+    }
+
+    fn lag_s(&self) -> f32 {
+        self.lag_s
+    }
+
+    fn with_lag(self, lag_s: f32) -> Self {
+        Self { lag_s, ..self }
     }
 
     fn check(&self) -> Result<(), Rule> {
@@ -109,20 +112,20 @@ impl Published for ToyParameters {
 }
 
 impl<T: Real> Recursion<T> for Toy<T> {
-    /// The lagged voltage, V.
-    type State = Relaxed<T>;
+    /// The last voltage, V.
+    type State = T;
 
-    /// At rest the lag has arrived. A known displacement that differs cannot be remembered.
-    fn begin(&self, voltage: T, _displacement: Option<T>) -> Relaxed<T> {
-        Relaxed::at(voltage)
+    /// A known displacement that is not on the line cannot be remembered.
+    fn begin(&self, voltage: T, _displacement: Option<T>) -> T {
+        voltage
     }
 
-    fn step(&self, state: &mut Relaxed<T>, voltage: T) -> T {
+    fn step(&self, state: &mut T, voltage: T) -> T {
         self.advance(state, voltage);
-        self.offset + self.gain * state.value
+        self.offset + self.gain * *state
     }
 
-    /// The lagged voltage is a mean of voltages, so the ends of the range bound the displacement.
+    /// The ends of the range bound the displacement.
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
         within(Range::of_values([voltage.min, voltage.max].map(|v| self.offset + self.gain * v)), limits)
     }
@@ -134,14 +137,14 @@ impl<T: Real> Recursion<T> for Toy<T> {
     }
 }
 
-/// Columns: the lagged voltage, then 1; weights: `gain_um_per_v`, `offset_um`.
+/// Columns: the voltage, then 1; weights: `gain_um_per_v`, `offset_um`.
 impl<T: Real> Linear<T> for Toy<T> {
-    fn advance(&self, state: &mut Relaxed<T>, voltage: T) {
-        self.lag.step(state, voltage);
+    fn advance(&self, state: &mut T, voltage: T) {
+        *state = voltage;
     }
 
-    fn columns(&self, state: &Relaxed<T>, mut each: impl FnMut(T)) {
-        each(state.value);
+    fn columns(&self, state: &T, mut each: impl FnMut(T)) {
+        each(*state);
         each(T::one());
     }
 }
@@ -150,7 +153,7 @@ impl<T: Real> Linear<T> for Toy<T> {
 
 /// How the search runs the model.
 impl Trial for ToyParameters {
-    type Model = Running<Toy<f64>, Relaxed<f64>>;
+    type Model = Running<Lagged<f64, Toy<f64>>, LaggedState<f64, f64>>;
 
     fn model(&self, discretisation: &Discretisation<f64>) -> Self::Model {
         Running::new(self.build(discretisation))
@@ -170,12 +173,11 @@ impl Family for ToyFamily {
         let base = ToyParameters { lag_s: *values.first()? as f32, gain_um_per_v: 0.0, offset_um: 0.0 };
         let projection = Projection {
             problem,
-            model: &base.build::<f64>(&problem.discretisation()),
+            model: &base.build(&problem.discretisation()),
             // Of each column but the last, the unknown that it belongs to; several columns may share one.
             unknowns: &[0],
             // Of each unknown; `Sign::Free` for any number.
             signs: &[Sign::NonNegative],
-            resonance: None,
         };
         // Fitted to the sensor as it is; a model that is linear in a function of the displacement says which.
         let (found, offset) = projection.solve(|displacement| displacement)?;

@@ -52,11 +52,5 @@ pub fn open(problem: &Problem, candidate: &Candidate, context: &TableContext, se
 
 /// Lag and delay of a model, s; 0 of those that have none, or look ahead.
 pub fn late_s(parameters: &Parameters, tick_s: f64) -> f64 {
-    let lag_s = match parameters {
-        Parameters::GeneralisedPrandtlIshlinskii(of) => of.lag_s,
-        Parameters::BoucWen(of) => of.lag_s,
-        Parameters::Duhem(of) => of.lag_s,
-        _ => 0.0,
-    };
-    f64::from(parameters.delay_ticks()) * tick_s + f64::from(lag_s.max(0.0))
+    f64::from(parameters.delay_ticks()) * tick_s + f64::from(parameters.lag_s().max(0.0))
 }

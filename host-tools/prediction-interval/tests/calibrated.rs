@@ -110,7 +110,8 @@ fn it_holds_what_creeps_from_a_rest_where_the_model_has_no_creep() {
         let session = prepared(&context.recipe, &context.recipe.cut(&log)).unwrap();
         let scope = Scope { zero_at_s: Some(RESTED_S), ..Scope::ALL };
         let coverage = compare_within(&table, &session, &scope).unwrap().interval.unwrap();
-        assert!(coverage.half_width_um < 0.04 * plant.stroke_um, "device {device}: {coverage:?}");
+        // (What the simulated devices differ by in their lag, which is searched, is a quarter of it.)
+        assert!(coverage.half_width_um < 0.05 * plant.stroke_um, "device {device}: {coverage:?}");
         coverage.covered_percent
     });
     assert!(covered.iter().sum::<f64>() / 4.0 >= 85.0, "{covered:?}");

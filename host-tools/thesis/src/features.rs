@@ -5,8 +5,9 @@ use super::bench::Bench;
 use super::monotone::Probes;
 use super::range::{Frequencies, HOLDS, Held, hertz, words};
 use super::rate::{DEPENDENT, Rate};
+use super::without_lag::without_lag;
 use crate::error::ThesisError;
-use estimator_core::{BoucWenParameters, DuhemParameters, Model, Parameters, Table};
+use estimator_core::{Model, Table};
 use identification::cost::Feedback;
 use identification::{Candidate, Character, Progress, SearchOptions, StraightLine};
 use report::{Section, shown, yes};
@@ -135,8 +136,8 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
     }
     if rows.iter().any(|row| row.without_lag) {
         notes.push(
-            "No lag: Duhem's and Bouc–Wen's models run behind a first-order input lag here, which is not Table 3.1's; \
-             these rows have the same parameters but that lag."
+            "No lag: rate-independent models run behind a first-order input lag here, or are seen ahead of their tick, \
+             which is not Table 3.1's; these rows have the same parameters but that lag."
                 .to_owned(),
         );
     }
@@ -154,16 +155,6 @@ pub fn section(bench: &mut Bench, progress: Progress<'_>) -> Result<Section, The
 fn ordered() -> Vec<Model> {
     let table = [Model::Preisach, Model::PrandtlIshlinskii, Model::Duhem, Model::MaxwellSlip, Model::Voigt];
     table.into_iter().chain(Model::ALL.into_iter().filter(|model| !table.contains(model))).collect()
-}
-
-/// A table whose model has an input lag, or a look-ahead, that its literature does not have, without it.
-fn without_lag(table: &Table) -> Option<Table> {
-    let parameters = match table.parameters {
-        Parameters::Duhem(of) if of.lag_s != 0.0 => Parameters::Duhem(DuhemParameters { lag_s: 0.0, ..of }),
-        Parameters::BoucWen(of) if of.lag_s != 0.0 => Parameters::BoucWen(BoucWenParameters { lag_s: 0.0, ..of }),
-        _ => return None,
-    };
-    Some(Table { parameters, ..*table })
 }
 
 fn row(bench: &Bench, candidate: &Candidate, frequencies: Option<&Frequencies>, table: &Table) -> Row {
@@ -218,11 +209,11 @@ mod tests {
         let of =
             |model: &str| rows.iter().find(|row| row["model"] == model).unwrap_or_else(|| panic!("{model} is missing"));
         assert_eq!(of("voigt")["rate_dependent"], true);
-        assert_eq!(of("prandtl-ishlinskii")["rate_dependent"], false);
-        assert_eq!(of("preisach")["rate_dependent"], false);
-        let duhem: Vec<_> = rows.iter().filter(|row| row["model"] == "duhem").collect();
-        let lags: Vec<_> = duhem.iter().map(|row| (&row["without_lag"], &row["rate_dependent"])).collect();
-        assert_eq!(lags, [(&json!(false), &json!(true)), (&json!(true), &json!(false))]);
+        for model in ["prandtl-ishlinskii", "maxwell-slip", "duhem", "bouc-wen", "preisach"] {
+            let of_model = rows.iter().filter(|row| row["model"] == model);
+            let lags: Vec<_> = of_model.map(|row| (&row["without_lag"], &row["rate_dependent"])).collect();
+            assert_eq!(lags, [(&json!(false), &json!(true)), (&json!(true), &json!(false))], "{model}");
+        }
         assert_eq!(of("generalised-prandtl-ishlinskii")["thesis"], serde_json::Value::Null);
         assert_eq!(of("maxwell-slip")["thesis"][0], "quasi");
         assert_eq!(section.tables.len(), 3);

@@ -22,6 +22,7 @@ mod sampling_time;
 mod search;
 mod shapes;
 mod tracking;
+mod without_lag;
 
 pub use bench::{Bench, QUICK_SEEDS};
 pub use error::ThesisError;

@@ -117,6 +117,7 @@ fn measured(period: &[f64]) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::super::bench::tests::small;
+    use super::super::without_lag::without_lag;
     use super::*;
     use estimator_core::Model;
     use identification::cost::Feedback;
@@ -125,8 +126,9 @@ mod tests {
     fn plays_do_not_depend_on_the_rate_and_voigt_does() {
         let mut bench = small();
         bench.identify(Feedback::Simulation, &[Model::Voigt, Model::PrandtlIshlinskii], &mut |_, _| ());
-        let rate = |model| Rate::of(&bench.candidate(Feedback::Simulation, model).unwrap().table, -20.0, 20.0);
-        let (voigt, plays) = (rate(Model::Voigt), rate(Model::PrandtlIshlinskii));
+        let table = |model| *bench.candidate(Feedback::Simulation, model).unwrap().table;
+        let plays = without_lag(&table(Model::PrandtlIshlinskii)).unwrap();
+        let [voigt, plays] = [table(Model::Voigt), plays].map(|table| Rate::of(&table, -20.0, 20.0));
         assert!((voigt.slow_hz - 1.0).abs() < 1e-9 && (voigt.fast_hz - 100.0).abs() < 1e-9);
         assert!(voigt.dependent() && voigt.stroke_change() < -10.0, "{voigt:?}");
         assert!(!plays.dependent() && plays.stroke_change().abs() < 1e-9, "{plays:?}");

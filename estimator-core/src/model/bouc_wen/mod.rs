@@ -1,8 +1,7 @@
-//! Bouc-Wen hysteresis, symmetric or not, behind a first-order input lag. Rate-independent but for lag and look-ahead.
-//! Its memory is held within the table's deadband (`held.rs`).
+//! Bouc-Wen hysteresis, symmetric or not, of the voltage u behind a lag (`lagged.rs`). Rate-independent. Its memory is
+//! held within the table's deadband (`held.rs`).
 //!
 //! ```text
-//! du/dt = (V − u)/lag                                     amplifier; no lag, or below 0 (`look_ahead.rs`): u = V
 //! dh/du = A − |h|^n·(β·sgn(h·du) + γ + δ·sgn(du))         V; h' = A·u' − β·|u'|·h·|h|^(n−1) − γ·u'·|h|^n for δ = 0
 //! y = offset + d1·u + d2·u² + c·h                         µm; a displacement that lags the voltage has c < 0
 //! ```
@@ -20,8 +19,7 @@
 mod branch;
 
 use super::held::{Held, half_width};
-use super::look_ahead::{LAG_RULE, LONGEST_TICK_S, LookAhead};
-use super::relaxation::{Lag, Relaxed};
+use super::lagged::{self, Lagged};
 use super::{Discretisation, Linear, Published, Recursion};
 use crate::admissible::{Inadmissible, within};
 use crate::math::Real;
@@ -59,20 +57,27 @@ pub struct BoucWenParameters {
 }
 
 impl Published for BoucWenParameters {
-    type Coefficients<T: Real> = BoucWen<T>;
+    type Coefficients<T: Real> = Lagged<T, BoucWen<T>>;
 
-    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> BoucWen<T> {
-        BoucWen::build(self, discretisation.sample_period, discretisation.deadband)
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Lagged<T, BoucWen<T>> {
+        let model = BoucWen::build(self, discretisation.deadband);
+        Lagged::build(self.lag_s, discretisation.sample_period, model)
+    }
+
+    fn lag_s(&self) -> f32 {
+        self.lag_s
+    }
+
+    fn with_lag(self, lag_s: f32) -> Self {
+        Self { lag_s, ..self }
     }
 
     fn check(&self) -> Result<(), Rule> {
         let Self { lag_s, a, beta, gamma, delta, n, offset_um, d1_um_per_v, d2_um_per_v2, c_um_per_v } = *self;
-        let all = [lag_s, a, beta, gamma, delta, n, offset_um, d1_um_per_v, d2_um_per_v2, c_um_per_v];
+        lagged::check(lag_s)?;
+        let all = [a, beta, gamma, delta, n, offset_um, d1_um_per_v, d2_um_per_v2, c_um_per_v];
         if !all.iter().all(|number| number.is_finite()) {
             return Err("every parameter must be finite");
-        }
-        if lag_s < -LONGEST_TICK_S {
-            return Err(LAG_RULE);
         }
         if a <= 0.0 {
             return Err("a must be above 0");
@@ -86,7 +91,7 @@ impl Published for BoucWenParameters {
         if beta + gamma <= delta.abs() {
             return Err("beta + gamma must exceed |delta|");
         }
-        let limits = BoucWen::<f32>::build(self, 1.0, 0.0).limits();
+        let limits = BoucWen::<f32>::build(self, 0.0).limits();
         if !(limits.min.is_finite() && limits.max.is_finite() && limits.span() > 0.0) {
             return Err("the hysteresis must have a finite bound");
         }
@@ -97,8 +102,6 @@ impl Published for BoucWenParameters {
 /// Per-tick coefficients of the Bouc-Wen model.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct BoucWen<T> {
-    lag: Lag<T>,
-    look_ahead: LookAhead<T>,
     /// Of the play that decides when the memory moves, V.
     half_width: T,
     power: Power<T>,
@@ -110,22 +113,20 @@ pub struct BoucWen<T> {
     c: T,
 }
 
-/// Lagged voltage and hysteresis of a running model.
+/// Voltage and hysteresis of a running model.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct BoucWenState<T> {
-    /// u, V: the voltage behind the lag.
-    pub input: Relaxed<T>,
+    /// u of the last tick, V.
+    input: T,
     held: Held<T, T>,
     /// h at u, V, within [`BoucWen::limits`]; what is kept of it stands where [`Held`] last moved.
     pub hysteresis: T,
-    /// u and h a tick ago, V.
-    before: (T, T),
 }
 
 impl<T: Real> BoucWen<T> {
-    /// Coefficients for ticks of `sample_period` seconds, with the memory held until the voltage has gone back by more
-    /// than 1.5 times the `deadband`, V. Checks nothing: see [`BoucWenParameters::check`].
-    pub fn build(parameters: &BoucWenParameters, sample_period: T, deadband: T) -> Self {
+    /// Coefficients with the memory held until the voltage has gone back by more than 1.5 times the `deadband`, V; the
+    /// lag is not among them. Checks nothing: see [`BoucWenParameters::check`].
+    pub fn build(parameters: &BoucWenParameters, deadband: T) -> Self {
         let p = parameters;
         let (a, n) = (T::of(p.a), T::of(p.n));
         let (beta, gamma, delta) = (T::of(p.beta), T::of(p.gamma), T::of(p.delta));
@@ -134,8 +135,6 @@ impl<T: Real> BoucWen<T> {
         rising.measure(n, falling.limit);
         falling.measure(n, rising.limit);
         Self {
-            lag: Lag::build(T::of(p.lag_s), sample_period),
-            look_ahead: LookAhead::build(T::of(p.lag_s), sample_period),
             half_width: half_width(deadband),
             power: match p.n {
                 1.0 => Power::One,
@@ -170,18 +169,13 @@ impl<T: Real> BoucWen<T> {
     }
 
     /// The displacement (µm) at an input and a hysteresis (V).
-    fn sum(&self, (u, hysteresis): (T, T)) -> T {
+    fn sum(&self, u: T, hysteresis: T) -> T {
         self.offset + u * (self.d1 + self.d2 * u) + self.c * hysteresis
-    }
-
-    /// The displacement (µm) as it is seen, of input and hysteresis (V) now and a tick ago.
-    fn seen(&self, now: (T, T), before: (T, T)) -> T {
-        self.look_ahead.of(self.sum(now), || self.sum(before))
     }
 
     /// What the displacement (µm) can be for voltages of this range (V); `None` without a bound.
     ///
-    /// The parabola over the range (u is a mean of voltages) and h anywhere within its limits.
+    /// The parabola over the range and h anywhere within its limits.
     pub fn reach(&self, voltage: Range<T>) -> Option<Range<T>> {
         let h = self.limits();
         if !(h.min <= h.max && h.span().is_finite()) {
@@ -208,58 +202,44 @@ impl<T: Real> Recursion<T> for BoucWen<T> {
         let middle = (limits.min + limits.max) * T::of(0.5);
         let hysteresis = match displacement {
             Some(displacement) if self.c != T::zero() => {
-                limits.clamp((displacement - self.sum((voltage, T::zero()))) / self.c)
+                limits.clamp((displacement - self.sum(voltage, T::zero())) / self.c)
             }
             _ => middle,
         };
-        BoucWenState {
-            input: Relaxed::at(voltage),
-            held: Held::new(voltage, hysteresis),
-            hysteresis,
-            before: (voltage, hysteresis),
-        }
+        BoucWenState { input: voltage, held: Held::new(voltage, hysteresis), hysteresis }
     }
 
     #[inline]
     fn step(&self, state: &mut Self::State, voltage: T) -> T {
         self.advance(state, voltage);
-        self.seen((state.input.value, state.hysteresis), state.before)
+        self.sum(state.input, state.hysteresis)
     }
 
     /// Without what would be kept.
     #[inline]
     fn peek(&self, state: &Self::State, voltage: T) -> T {
-        let u = self.lag.step(&mut { state.input }, voltage);
-        let hysteresis = state.held.shown(u, |h, from, to| self.follow(h, to - from));
-        self.seen((u, hysteresis), (state.input.value, state.hysteresis))
+        self.sum(voltage, state.held.shown(voltage, |h, from, to| self.follow(h, to - from)))
     }
 
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
         within(self.reach(voltage).ok_or(Inadmissible::NoBound)?, limits)
     }
 
-    fn of_held_voltage(&self) -> Self {
-        Self { look_ahead: LookAhead::none(), ..*self }
-    }
-
     fn monotone_part(&self) -> Option<Self> {
-        Some(self.of_held_voltage())
+        Some(*self)
     }
 }
 
-/// Columns: `u`, `u²`, `h`, 1, as they are seen; weights: `d1_um_per_v`, `d2_um_per_v2`, `c_um_per_v`, `offset_um`.
+/// Columns: `u`, `u²`, `h`, 1; weights: `d1_um_per_v`, `d2_um_per_v2`, `c_um_per_v`, `offset_um`.
 impl<T: Real> Linear<T> for BoucWen<T> {
     #[inline]
     fn advance(&self, state: &mut Self::State, voltage: T) {
-        state.before = (state.input.value, state.hysteresis);
-        let u = self.lag.step(&mut state.input, voltage);
-        state.hysteresis = state.held.step(u, self.half_width, |h, from, to| self.follow(h, to - from));
+        state.input = voltage;
+        state.hysteresis = state.held.step(voltage, self.half_width, |h, from, to| self.follow(h, to - from));
     }
 
     fn columns(&self, state: &Self::State, mut each: impl FnMut(T)) {
-        let of = |(u, hysteresis): (T, T)| [u, u * u, hysteresis, T::one()];
-        let before = of(state.before);
-        let now = of((state.input.value, state.hysteresis));
-        now.into_iter().zip(before).for_each(|(now, before)| each(self.look_ahead.of(now, || before)));
+        let u = state.input;
+        [u, u * u, state.hysteresis, T::one()].into_iter().for_each(&mut each);
     }
 }

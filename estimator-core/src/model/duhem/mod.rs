@@ -1,8 +1,8 @@
-//! Duhem model in the form of Coleman and Hodgdon, Eq. (3.12), with polynomial f and g, behind a first-order input lag.
-//! Rate-independent but for lag and look-ahead. Its memory is held within the table's deadband (`held.rs`).
+//! Duhem model in the form of Coleman and Hodgdon, Eq. (3.12), with polynomial f and g, of the voltage u behind a lag
+//! (`lagged.rs`). Rate-independent. Its memory is held within the table's deadband (`held.rs`).
 //!
 //! ```text
-//! du/dt = (V − u)/lag,  v = u − centre                           V; no lag, or below 0 (`look_ahead.rs`): u = V
+//! v = u − centre                                                 V
 //! dw/dt = α·|dv/dt|·(f(v) − w) + dv/dt·g(v)                      Eq. (3.12); it prints dy/dt before g for dV/dt
 //! f(v) = f1·v + f3·v³,  g(v) = g0 + g2·v²                        |v| ≤ saturation
 //! f'(v) = g(v) = f1 + 3·f3·saturation²                        beyond it, so that f' and g have one finite limit
@@ -11,7 +11,7 @@
 //!
 //! With `w = f + z`, `dz = −α·|dv|·z + D(v)·dv`, `D = g − f'`: linear, with a closed-form solution over a monotone
 //! move, whatever its length. `z = (g0 − f1)·z0 + (g2 − 3·f3)·z2`, where z0 and z2 are the answers to D = 1 and D = v².
-//! So the displacement is linear in f1, f3, g0, g2 and the offset, and only α, saturation, centre and lag are not. A
+//! So the displacement is linear in f1, f3, g0, g2 and the offset, and only α, saturation and centre are not. A
 //! tick within ½/α costs one polynomial and no transcendental function. |z0| ≤ 1/α, |z2| ≤ saturation²/α, |z| ≤
 //! max|D|/α always.
 //!
@@ -24,8 +24,7 @@ pub use conditions::{DuhemCondition, unmet_condition};
 pub use parameters::DuhemParameters;
 
 use super::held::{Held, half_width};
-use super::look_ahead::LookAhead;
-use super::relaxation::{Lag, Relaxed};
+use super::lagged::Lagged;
 use super::{Discretisation, Linear, Published, Recursion};
 use crate::admissible::{Inadmissible, within};
 use crate::math::Real;
@@ -33,15 +32,23 @@ use crate::range::Range;
 use crate::rule::Rule;
 
 impl Published for DuhemParameters {
-    type Coefficients<T: Real> = Duhem<T>;
+    type Coefficients<T: Real> = Lagged<T, Duhem<T>>;
 
-    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Duhem<T> {
-        Duhem::build(self, discretisation.sample_period, discretisation.deadband)
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Lagged<T, Duhem<T>> {
+        Lagged::build(self.lag_s, discretisation.sample_period, Duhem::build(self, discretisation.deadband))
+    }
+
+    fn lag_s(&self) -> f32 {
+        self.lag_s
+    }
+
+    fn with_lag(self, lag_s: f32) -> Self {
+        Self { lag_s, ..self }
     }
 
     fn check(&self) -> Result<(), Rule> {
         self.check_numbers()?;
-        let memory = Duhem::<f32>::build(self, 1.0, 0.0).largest_memory();
+        let memory = Duhem::<f32>::build(self, 0.0).largest_memory();
         if !memory.is_finite() {
             return Err("the hysteresis must have a finite bound");
         }
@@ -52,8 +59,6 @@ impl Published for DuhemParameters {
 /// Per-tick coefficients of the Duhem model.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Duhem<T> {
-    lag: Lag<T>,
-    look_ahead: LookAhead<T>,
     /// Of the play that decides when the memory moves, V.
     half_width: T,
     alpha: T,
@@ -68,16 +73,14 @@ pub struct Duhem<T> {
     d2: T,
 }
 
-/// Lagged voltage and hysteresis of a running model.
+/// Voltage and hysteresis of a running model.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct DuhemState<T> {
-    /// u, V: the voltage behind the lag.
-    pub input: Relaxed<T>,
+    /// u of the last tick, V.
+    input: T,
     held: Held<T, Answers<T>>,
     /// The three functions of the equation at that u.
     answers: Answers<T>,
-    /// u and the three functions a tick ago.
-    before: (T, Answers<T>),
 }
 
 /// z0 and z2.
@@ -110,15 +113,13 @@ fn phi<T: Real>(x: T) -> [T; 3] {
 }
 
 impl<T: Real> Duhem<T> {
-    /// Coefficients for ticks of `sample_period` seconds, with the memory held until the voltage has gone back by more
-    /// than 1.5 times the `deadband`, V. Checks nothing: see [`DuhemParameters::check`].
-    pub fn build(parameters: &DuhemParameters, sample_period: T, deadband: T) -> Self {
+    /// Coefficients with the memory held until the voltage has gone back by more than 1.5 times the `deadband`, V; the
+    /// lag is not among them. Checks nothing: see [`DuhemParameters::check`].
+    pub fn build(parameters: &DuhemParameters, deadband: T) -> Self {
         let p = parameters;
         let (f1, f3, saturation) = (T::of(p.f1_um_per_v), T::of(p.f3_um_per_v3), T::of(p.saturation_v));
         let three = T::of(3.0);
         Self {
-            lag: Lag::build(T::of(p.lag_s), sample_period),
-            look_ahead: LookAhead::build(T::of(p.lag_s), sample_period),
             half_width: half_width(deadband),
             alpha: T::of(p.alpha_per_v),
             inverse_alpha: T::one() / T::of(p.alpha_per_v),
@@ -187,13 +188,8 @@ impl<T: Real> Duhem<T> {
     }
 
     /// The displacement (µm) at an input (V).
-    fn sum(&self, (u, Answers { z0, z2 }): (T, Answers<T>)) -> T {
+    fn sum(&self, u: T, Answers { z0, z2 }: Answers<T>) -> T {
         self.offset + self.f(u - self.centre) + (self.d0 * z0 + self.d2 * z2)
-    }
-
-    /// The displacement (µm) as it is seen, of inputs (V) now and a tick ago.
-    fn seen(&self, now: (T, Answers<T>), before: (T, Answers<T>)) -> T {
-        self.look_ahead.of(self.sum(now), || self.sum(before))
     }
 
     /// What the displacement (µm) can be for voltages of this range (V); `None` without a bound.
@@ -221,61 +217,44 @@ impl<T: Real> Recursion<T> for Duhem<T> {
             && excess != T::zero()
         {
             let bound = Range { min: -self.inverse_alpha, max: self.inverse_alpha };
-            answers.z0 = bound.clamp((displacement - self.sum((voltage, answers))) / excess);
+            answers.z0 = bound.clamp((displacement - self.sum(voltage, answers)) / excess);
             answers.z2 = v * v * answers.z0;
         }
-        DuhemState {
-            input: Relaxed::at(voltage),
-            held: Held::new(voltage, answers),
-            answers,
-            before: (voltage, answers),
-        }
+        DuhemState { input: voltage, held: Held::new(voltage, answers), answers }
     }
 
     #[inline]
     fn step(&self, state: &mut Self::State, voltage: T) -> T {
         self.advance(state, voltage);
-        self.seen((state.input.value, state.answers), state.before)
+        self.sum(state.input, state.answers)
     }
 
     /// Without what would be kept.
     #[inline]
     fn peek(&self, state: &Self::State, voltage: T) -> T {
-        let u = self.lag.step(&mut { state.input }, voltage);
-        let answers = state.held.shown(u, |answers, from, to| self.follow(answers, from, to));
-        self.seen((u, answers), (state.input.value, state.answers))
+        self.sum(voltage, state.held.shown(voltage, |answers, from, to| self.follow(answers, from, to)))
     }
 
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
         within(self.reach(voltage).ok_or(Inadmissible::NoBound)?, limits)
     }
 
-    fn of_held_voltage(&self) -> Self {
-        Self { look_ahead: LookAhead::none(), ..*self }
-    }
-
     fn monotone_part(&self) -> Option<Self> {
-        Some(self.of_held_voltage())
+        Some(*self)
     }
 }
 
-/// Columns, as they are seen, and weights: `v − z0` (`f1_um_per_v`), `v³ − 3·z2` (`f3_um_per_v3`; v³ straight on beyond
+/// Columns and weights: `v − z0` (`f1_um_per_v`), `v³ − 3·z2` (`f3_um_per_v3`; v³ straight on beyond
 /// saturation), `z0` (`g0_um_per_v`), `z2` (`g2_um_per_v3`), 1 (`offset_um`).
 impl<T: Real> Linear<T> for Duhem<T> {
     #[inline]
     fn advance(&self, state: &mut Self::State, voltage: T) {
-        state.before = (state.input.value, state.answers);
-        let u = self.lag.step(&mut state.input, voltage);
-        state.answers = state.held.step(u, self.half_width, |answers, from, to| self.follow(answers, from, to));
+        state.input = voltage;
+        state.answers = state.held.step(voltage, self.half_width, |answers, from, to| self.follow(answers, from, to));
     }
 
     fn columns(&self, state: &Self::State, mut each: impl FnMut(T)) {
-        let of = |(u, Answers { z0, z2 }): (T, Answers<T>)| {
-            let v = u - self.centre;
-            [v - z0, self.cubic(v) - T::of(3.0) * z2, z0, z2, T::one()]
-        };
-        let before = of(state.before);
-        let now = of((state.input.value, state.answers));
-        now.into_iter().zip(before).for_each(|(now, before)| each(self.look_ahead.of(now, || before)));
+        let (v, Answers { z0, z2 }) = (state.input - self.centre, state.answers);
+        [v - z0, self.cubic(v) - T::of(3.0) * z2, z0, z2, T::one()].into_iter().for_each(&mut each);
     }
 }

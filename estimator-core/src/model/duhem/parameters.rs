@@ -1,6 +1,6 @@
 //! Published parameters of the Duhem model, and the rules that they obey.
 
-use super::super::look_ahead::{LAG_RULE, LONGEST_TICK_S};
+use super::super::lagged;
 use super::conditions::{DuhemCondition, unmet_condition};
 use crate::rule::Rule;
 use serde::{Deserialize, Serialize};
@@ -51,12 +51,10 @@ impl DuhemParameters {
     /// [`Published::check`](crate::Published::check), but for the bound, which the coefficients say.
     pub(super) fn check_numbers(&self) -> Result<(), Rule> {
         let weights = [self.f1_um_per_v, self.f3_um_per_v3, self.g0_um_per_v, self.g2_um_per_v3, self.offset_um];
-        let others = [self.lag_s, self.alpha_per_v, self.saturation_v, self.voltage_centre_v];
+        lagged::check(self.lag_s)?;
+        let others = [self.alpha_per_v, self.saturation_v, self.voltage_centre_v];
         if !weights.iter().chain(&others).all(|number| number.is_finite()) {
             return Err("every parameter must be finite");
-        }
-        if self.lag_s < -LONGEST_TICK_S {
-            return Err(LAG_RULE);
         }
         if self.alpha_per_v <= 0.0 || self.saturation_v <= 0.0 {
             return Err("alpha_per_v and saturation_v must be above 0");

@@ -55,6 +55,14 @@ impl Published for GeneralisedPrandtlIshlinskiiParameters {
         self.delay_ticks + 1.0
     }
 
+    fn lag_s(&self) -> f32 {
+        self.lag_s
+    }
+
+    fn with_lag(self, lag_s: f32) -> Self {
+        Self { lag_s, ..self }
+    }
+
     fn check(&self) -> Result<(), Rule> {
         self.check_numbers()
     }

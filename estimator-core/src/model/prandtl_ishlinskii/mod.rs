@@ -7,9 +7,9 @@
 //! y   = S(w)                               µm    see `dead_zone`; the identity where there are no dead zones
 //! ```
 //!
-//! Rate-independent. The offset lies inside the superposition, so that `S⁻¹(y)` is linear in the weights: the columns
-//! of [`Linear`] are the plays in the order of the thresholds, then 1, and weigh to `w`, not to `y`. With no dead zones
-//! the two are the same.
+//! Rate-independent; V is the voltage behind a lag (`lagged.rs`). The offset lies inside the superposition, so that
+//! `S⁻¹(y)` is linear in the weights: the columns of [`Linear`] are the plays in the order of the thresholds, then 1,
+//! and weigh to `w`, not to `y`. With no dead zones the two are the same.
 //!
 //! The plays of an actuator at rest with a known displacement are taken as `p_i = V + θ·r_i` with one θ of −1…1 for
 //! all: −1 is the ascending major branch, 1 the descending. With nothing known they are the virgin ones, Eq. (3.8) with
@@ -19,6 +19,7 @@ mod dead_zone;
 
 pub use dead_zone::{DEAD_ZONES, Superposition};
 
+use super::lagged::{self, Lagged};
 use super::play::play;
 use super::{Discretisation, Linear, Published, Recursion, solve};
 use crate::admissible::{Inadmissible, within};
@@ -35,6 +36,9 @@ pub const PLAYS: usize = 16;
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PrandtlIshlinskiiParameters {
+    /// Time constant of the input lag, s; 0 is none. Below 0 the time by which the displacement is ahead of a tick
+    /// after its voltage: at most a tick of it counts.
+    pub lag_s: f32,
     /// Half-widths r_i of the plays, V: 0, then increasing.
     pub thresholds_v: List<PLAYS>,
     /// Slopes w_i of the plays, µm/V: at least 0.
@@ -50,13 +54,22 @@ pub struct PrandtlIshlinskiiParameters {
 }
 
 impl Published for PrandtlIshlinskiiParameters {
-    type Coefficients<T: Real> = PrandtlIshlinskii<T>;
+    type Coefficients<T: Real> = Lagged<T, PrandtlIshlinskii<T>>;
 
-    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> PrandtlIshlinskii<T> {
-        PrandtlIshlinskii::build(self, discretisation.sample_period)
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Lagged<T, PrandtlIshlinskii<T>> {
+        Lagged::build(self.lag_s, discretisation.sample_period, PrandtlIshlinskii::build(self))
+    }
+
+    fn lag_s(&self) -> f32 {
+        self.lag_s
+    }
+
+    fn with_lag(self, lag_s: f32) -> Self {
+        Self { lag_s, ..self }
     }
 
     fn check(&self) -> Result<(), Rule> {
+        lagged::check(self.lag_s)?;
         let (thresholds, weights) = (&self.thresholds_v, &self.weights_um_per_v);
         if thresholds.len() != weights.len() {
             return Err("weights_um_per_v must be as many as thresholds_v");
@@ -99,9 +112,8 @@ pub struct PrandtlIshlinskiiState<T> {
 }
 
 impl<T: Real> PrandtlIshlinskii<T> {
-    /// Coefficients of a set without a [fault](PrandtlIshlinskiiParameters::check). The model has no time in it: the
-    /// sample period (s) is not used.
-    pub fn build(parameters: &PrandtlIshlinskiiParameters, _sample_period: T) -> Self {
+    /// Coefficients of a set without a [fault](PrandtlIshlinskiiParameters::check); the lag is not among them.
+    pub fn build(parameters: &PrandtlIshlinskiiParameters) -> Self {
         let mut model = Self {
             count: parameters.thresholds_v.len().min(parameters.weights_um_per_v.len()),
             thresholds: [T::zero(); PLAYS],

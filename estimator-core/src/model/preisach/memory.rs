@@ -14,7 +14,7 @@
 //! largest density. What remains is again the memory of some history. Areas, not masses, decide, so that the memory
 //! (and with it the columns of the identification) does not depend on the densities. Which pair is merged hangs on the
 //! last bit of a voltage, and so places are `f32` in every number type: reference and target remember and forget the
-//! same. Such a tick costs up to 24 interpolations and 22 divisions.
+//! same. Such a tick costs up to 25 interpolations and 22 divisions.
 
 use super::everett::Everett;
 use crate::math::Real;
@@ -33,7 +33,7 @@ pub(super) struct Reversal<T> {
 /// The reversals, and the voltage and displacement now.
 #[derive(Clone, PartialEq, Debug)]
 pub struct PreisachState<T> {
-    /// Full only within a tick.
+    /// One place more than are remembered from tick to tick: the 25th is there within a tick only.
     reversals: Vec<Reversal<T>, { REVERSALS + 1 }>,
     now: Reversal<T>,
 }
@@ -69,7 +69,11 @@ impl<T: Real> PreisachState<T> {
         if at == self.now.at { self.now.displacement } else { self.branch(everett, self.left(at), at).displacement }
     }
 
-    /// Takes a voltage (units of the grid, 0…n); returns the displacement (µm) above negative saturation.
+    /// Takes a voltage (units of the grid, 0…n); returns the displacement (µm) above negative saturation. In a tick
+    /// that forgets it is that of the whole memory, and what is forgotten shows from the next tick on, in [`points`]
+    /// too.
+    ///
+    /// [`points`]: Self::points
     #[inline]
     pub(super) fn go(&mut self, everett: &Everett<T>, at: f32) -> T {
         if at == self.now.at {
@@ -90,7 +94,8 @@ impl<T: Real> PreisachState<T> {
         there.displacement
     }
 
-    /// Reversals that are left on the way to a voltage other than now's, one more than there are where it turns now.
+    /// How many reversals nothing has wiped out once the voltage has come to another one than now's; where it turns,
+    /// now is counted as the last of them.
     #[inline]
     fn left(&self, at: f32) -> usize {
         let count = self.reversals.len();

@@ -13,8 +13,9 @@
 //! Relays give 0 or their mass, so that the offset is the displacement of negative saturation; the thesis's ±1 relays
 //! have twice the jump, hence its ½ in Eq. (3.17).
 //!
-//! Rate-independent. Beyond the grid's voltages every relay is switched. See `everett.rs` for `E` (3.18),
-//! `memory.rs` for the reversals, `reversal_curves.rs` for densities from first-order reversal curves (3.17)–(3.19).
+//! Rate-independent; V is the voltage behind a lag (`lagged.rs`). Beyond the grid's voltages every relay is switched.
+//! See `everett.rs` for `E` (3.18), `memory.rs` for the reversals, `reversal_curves.rs` for densities from first-order
+//! reversal curves (3.17)–(3.19).
 
 mod everett;
 mod memory;
@@ -24,6 +25,7 @@ pub use everett::{CELLS, SIDE};
 pub use memory::{PreisachState, REVERSALS};
 pub use reversal_curves::densities_from_reversal_curves;
 
+use super::lagged::{self, Lagged};
 use super::{Discretisation, Linear, Published, Recursion, solve};
 use crate::admissible::{Inadmissible, within};
 use crate::list::List;
@@ -37,6 +39,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PreisachParameters {
+    /// Time constant of the input lag, s; 0 is none. Below 0 the time by which the displacement is ahead of a tick
+    /// after its voltage: at most a tick of it counts.
+    pub lag_s: f32,
     /// Voltage at which every relay is down, V.
     pub lower_v: f32,
     /// Voltage at which every relay is up, V.
@@ -51,13 +56,22 @@ pub struct PreisachParameters {
 const SIDE_LIMIT: f32 = SIDE as f32;
 
 impl Published for PreisachParameters {
-    type Coefficients<T: Real> = Preisach<T>;
+    type Coefficients<T: Real> = Lagged<T, Preisach<T>, f32>;
 
-    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Preisach<T> {
-        Preisach::build(self, discretisation.sample_period)
+    fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Self::Coefficients<T> {
+        Lagged::build(self.lag_s, discretisation.sample_period, Preisach::build(self))
+    }
+
+    fn lag_s(&self) -> f32 {
+        self.lag_s
+    }
+
+    fn with_lag(self, lag_s: f32) -> Self {
+        Self { lag_s, ..self }
     }
 
     fn check(&self) -> Result<(), Rule> {
+        lagged::check(self.lag_s)?;
         if ![self.lower_v, self.upper_v, self.offset_um].iter().all(|number| number.is_finite()) {
             return Err("lower_v, upper_v and offset_um must be finite");
         }
@@ -87,9 +101,8 @@ pub struct Preisach<T> {
 }
 
 impl<T: Real> Preisach<T> {
-    /// Coefficients of a set without a [fault](PreisachParameters::check). The model has no time in it: the sample
-    /// period (s) is not used.
-    pub fn build(parameters: &PreisachParameters, _sample_period: T) -> Self {
+    /// Coefficients of a set without a [fault](PreisachParameters::check); the lag is not among them.
+    pub fn build(parameters: &PreisachParameters) -> Self {
         let everett = Everett::<T>::build(&parameters.densities_um);
         let lower = parameters.lower_v;
         let scale = everett.end().single() / (parameters.upper_v - lower);

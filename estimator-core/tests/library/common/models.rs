@@ -23,6 +23,7 @@ pub fn parameters(model: Model) -> Parameters {
             memory_v,
         }),
         Model::PrandtlIshlinskii => Parameters::PrandtlIshlinskii(PrandtlIshlinskiiParameters {
+            lag_s: 5e-4,
             thresholds_v: list((0..16).map(|i| 2.5 * i as f32)),
             weights_um_per_v: list((0..16).map(|i| if i == 0 { 0.08 } else { 0.01 })),
             offset_um: 0.5,
@@ -31,6 +32,7 @@ pub fn parameters(model: Model) -> Parameters {
             memory_v,
         }),
         Model::MaxwellSlip => Parameters::MaxwellSlip(MaxwellSlipParameters {
+            lag_s: 1e-3,
             stiffness_v_per_um: list([1.0; ELEMENTS]),
             saturation_v: list((0..ELEMENTS).map(|i| 1.0 + i as f32)),
             base_stiffness_v_per_um: 5.0,
@@ -60,6 +62,7 @@ pub fn parameters(model: Model) -> Parameters {
             c_um_per_v: -0.1,
         }),
         Model::Preisach => Parameters::Preisach(PreisachParameters {
+            lag_s: 0.0,
             lower_v: -20.0,
             upper_v: 80.0,
             densities_um: list([0.3; CELLS]),

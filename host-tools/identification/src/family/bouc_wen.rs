@@ -1,10 +1,10 @@
 //! Bouc–Wen models: lateness, β, γ and δ are searched, with A = 1 and n = 1; the rest is projected.
 
-use super::model_family::{DELAYED, lateness};
+use super::model_family::{lag_s, lateness, lateness_burden};
 use super::projection::Projection;
 use crate::problem::Problem;
 use crate::search::Gene;
-use estimator_core::{BoucWen, BoucWenParameters, Parameters, Published};
+use estimator_core::{BoucWenParameters, Parameters, Published};
 use least_squares::Sign;
 
 /// What is fixed before the search.
@@ -33,7 +33,7 @@ impl super::Family for Family {
     }
 
     fn burden(&self, values: &[f64]) -> f64 {
-        1.0 + DELAYED * values.first().copied().unwrap_or(0.0)
+        lateness_burden(values.first().copied().unwrap_or(0.0))
     }
 
     fn project(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
@@ -41,7 +41,7 @@ impl super::Family for Family {
         let beta = beta / self.voltage;
         let gamma = gamma * beta;
         let base = BoucWenParameters {
-            lag_s: ((late - 1.0) * self.tick) as f32,
+            lag_s: lag_s(late, self.tick),
             a: 1.0,
             beta: beta as f32,
             gamma: gamma as f32,
@@ -54,10 +54,9 @@ impl super::Family for Family {
         };
         let projection = Projection {
             problem,
-            model: &BoucWen::<f64>::build(&base, self.tick, problem.deadband),
+            model: &base.build(&problem.discretisation()),
             unknowns: &[0, 1, 2],
             signs: &[Sign::Free; 3],
-            resonance: None,
         };
         let (found, offset) = projection.solve(|y| y)?;
         let &[d1, d2, c] = &found[..] else { return None };

@@ -1,12 +1,12 @@
 //! Duhem models: lateness and α are searched, the voltage at which f saturates follows from the training's; the
 //! rest is projected.
 
-use super::model_family::{DELAYED, lateness};
+use super::model_family::{lag_s, lateness, lateness_burden};
 use super::projection::Projection;
 use crate::problem::Problem;
 use crate::search::Gene;
 use calibration::drive::RANGE_MARGIN;
-use estimator_core::{Duhem, DuhemParameters, Parameters, Published};
+use estimator_core::{DuhemParameters, Parameters, Published};
 use least_squares::Sign;
 
 /// Distance from the centre beyond which f is straight, of the training's span: the ends of the table's voltages, up to
@@ -36,13 +36,13 @@ impl super::Family for Family {
     }
 
     fn burden(&self, values: &[f64]) -> f64 {
-        1.0 + DELAYED * values.first().copied().unwrap_or(0.0)
+        lateness_burden(values.first().copied().unwrap_or(0.0))
     }
 
     fn project(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
         let &[late, alpha] = values else { return None };
         let base = DuhemParameters {
-            lag_s: ((late - 1.0) * self.tick) as f32,
+            lag_s: lag_s(late, self.tick),
             alpha_per_v: (alpha / self.span) as f32,
             saturation_v: (SATURATION * self.span) as f32,
             voltage_centre_v: self.centre as f32,
@@ -54,10 +54,9 @@ impl super::Family for Family {
         };
         let projection = Projection {
             problem,
-            model: &Duhem::<f64>::build(&base, self.tick, problem.deadband),
+            model: &base.build(&problem.discretisation()),
             unknowns: &[0, 1, 2, 3],
             signs: &[Sign::Free; 4],
-            resonance: None,
         };
         let (found, offset) = projection.solve(|y| y)?;
         let &[f1, f3, g0, g2] = &found[..] else { return None };

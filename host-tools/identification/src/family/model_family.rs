@@ -9,12 +9,22 @@ use rayon::prelude::*;
 
 /// What a tick of delay or lag must gain, as a fraction of the cost: at a single frequency they do
 /// what hysteresis does.
-pub const DELAYED: f64 = 3e-3;
+const DELAYED: f64 = 3e-3;
 
 /// How long after its voltage the displacement comes, ticks: `lag_s = (late − 1)·t_s`, for the recursion gives it a
 /// tick after. Below a tick that is a look-ahead, beyond it a lag.
 pub fn lateness() -> Gene {
     Gene::logarithmic("late", "time from the voltage to its displacement", "ticks", 0.05, 101.0)
+}
+
+/// The lag of that lateness, s; below 0 it is a look-ahead.
+pub fn lag_s(late: f64, sample_period: f64) -> f32 {
+    ((late - 1.0) * sample_period) as f32
+}
+
+/// The [burden](Family::burden) of a lateness.
+pub fn lateness_burden(late: f64) -> f64 {
+    1.0 + DELAYED * late
 }
 
 /// How a model's candidates are made.

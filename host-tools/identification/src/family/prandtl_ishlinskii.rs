@@ -1,12 +1,11 @@
-//! Prandtl–Ishlinskii operators: the slopes of the superposition's dead zones are searched; the weights of the plays
-//! and the offset are projected on the sensor seen through the inverse superposition.
+//! Prandtl–Ishlinskii operators: lateness and the slopes of the superposition's dead zones are searched; the weights of
+//! the plays and the offset are projected on the sensor seen through the inverse superposition.
 
+use super::model_family::{lag_s, lateness, lateness_burden};
 use super::projection::Projection;
 use crate::problem::Problem;
 use crate::search::Gene;
-use estimator_core::{
-    List, Parameters, PrandtlIshlinskii, PrandtlIshlinskiiParameters, Published, Range, Superposition,
-};
+use estimator_core::{List, Parameters, PrandtlIshlinskiiParameters, Published, Range, Superposition};
 use least_squares::Sign;
 
 /// Play operators of a model.
@@ -52,13 +51,20 @@ impl super::Family for Family {
     type Found = Parameters;
 
     fn genes(&self) -> Vec<Gene> {
-        DEAD_ZONES.iter().map(|&(_, name)| Gene::linear(name, "slope beyond a dead zone", "", -0.3, 0.3)).collect()
+        let slope = |&(_, name): &(f64, &'static str)| Gene::linear(name, "slope beyond a dead zone", "", -0.3, 0.3);
+        std::iter::once(lateness()).chain(DEAD_ZONES.iter().map(slope)).collect()
+    }
+
+    fn burden(&self, values: &[f64]) -> f64 {
+        lateness_burden(values.first().copied().unwrap_or(0.0))
     }
 
     fn project(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
-        let (zones, slopes) = self.superposition(values);
+        let (&late, slopes) = values.split_first()?;
+        let (zones, slopes) = self.superposition(slopes);
         let threshold = |i: usize| (self.widest * i as f64 / (PLAYS - 1) as f64) as f32;
         let base = PrandtlIshlinskiiParameters {
+            lag_s: lag_s(late, self.tick),
             thresholds_v: List::collect((0..PLAYS).map(threshold))?,
             weights_um_per_v: List::collect([1.0; PLAYS])?,
             offset_um: 0.0,
@@ -73,10 +79,9 @@ impl super::Family for Family {
         let unknowns: Vec<usize> = (0..PLAYS).collect();
         let projection = Projection {
             problem,
-            model: &PrandtlIshlinskii::<f64>::build(&base, self.tick),
+            model: &base.build(&problem.discretisation()),
             unknowns: &unknowns,
             signs: &[Sign::NonNegative; PLAYS],
-            resonance: None,
         };
         let (found, offset) = projection.solve(|y| inverse.apply(y))?;
         let parameters = PrandtlIshlinskiiParameters {

@@ -1,13 +1,14 @@
-//! Preisach models: nothing is searched; the densities and the offset are projected. Where the logs have
+//! Preisach models: the lateness is searched; the densities and the offset are projected. Where the logs have
 //! first-order reversal curves, the densities that follow from these alone come first, and least squares over all
 //! samples must better them.
 
 use super::AnyFamily;
+use super::model_family::{lag_s, lateness, lateness_burden};
 use super::projection::Projection;
 use crate::problem::Problem;
 use crate::search::Gene;
 use estimator_core::model::CELLS;
-use estimator_core::{List, Parameters, Preisach, PreisachParameters, Published};
+use estimator_core::{List, Parameters, PreisachParameters, Published};
 use least_squares::Sign;
 
 /// The model on a grid over the table's voltages.
@@ -23,12 +24,18 @@ impl super::Family for Family {
     type Found = Parameters;
 
     fn genes(&self) -> Vec<Gene> {
-        Vec::new()
+        vec![lateness()]
     }
 
-    fn project(&self, _values: &[f64], problem: &Problem) -> Option<Parameters> {
+    fn burden(&self, values: &[f64]) -> f64 {
+        lateness_burden(values.first().copied().unwrap_or(0.0))
+    }
+
+    fn project(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
+        let &[late] = values else { return None };
         let range = problem.voltage_range();
         let base = PreisachParameters {
+            lag_s: lag_s(late, problem.extent().tick),
             lower_v: range.min as f32,
             upper_v: range.max as f32,
             densities_um: List::collect([0.0; CELLS])?,
@@ -37,10 +44,9 @@ impl super::Family for Family {
         let unknowns: Vec<usize> = (0..CELLS).collect();
         let projection = Projection {
             problem,
-            model: &Preisach::<f64>::build(&base, problem.extent().tick),
+            model: &base.build(&problem.discretisation()),
             unknowns: &unknowns,
             signs: &[Sign::NonNegative; CELLS],
-            resonance: None,
         };
         let (found, offset) = projection.solve(|y| y)?;
         let parameters = PreisachParameters {

@@ -1,29 +1,28 @@
 //! The least squares inside the search.
 
 use crate::problem::Problem;
-use estimator_core::{Linear, Resonance, ResonanceState};
+use estimator_core::Real;
+use estimator_core::model::{Lagged, Linear};
 use least_squares::{Normal, Sign, Waiting};
 use log_survey::settled::settled;
 use recordings::session::Session;
 
 /// What is solved for besides the model.
-pub struct Projection<'a, M> {
+pub struct Projection<'a, M, L = f64> {
     /// The training sessions.
     pub problem: &'a Problem,
-    /// With any weights; its last column is the constant one.
-    pub model: &'a M,
+    /// With any weights, behind the lag that it will stand behind; its last column is the constant one.
+    pub model: &'a Lagged<f64, M, L>,
     /// For each column but the last the unknown it belongs to; columns of one unknown are added up.
     pub unknowns: &'a [usize],
     /// The signs of the unknowns.
     pub signs: &'a [Sign],
-    /// What the weighted sum goes through.
-    pub resonance: Option<Resonance<f64>>,
 }
 
 /// A ridge that is nothing but for columns that are alike.
 const RIDGE: f64 = 1e-6;
 
-impl<M: Linear<f64>> Projection<'_, M> {
+impl<M: Linear<f64>, L: Real> Projection<'_, M, L> {
     /// The unknowns with which the sum comes nearest to the sensor, `target` of it, in the sum of squares, and the
     /// constant. Each session weighs the same and has a constant of its own, for drift and for where it started, of
     /// which the mean is returned; what a session's unknown start has left its mark on is left out.
@@ -45,27 +44,26 @@ impl<M: Linear<f64>> Projection<'_, M> {
         let Some(&first) = session.voltage.first() else { return };
         let from = settled(session);
         let weight = 1.0 / (session.instants.len() - from).max(1) as f64;
-        let mut state = self.model.begin(first, None);
+        let (model, look_ahead) = (self.model.model(), self.model.look_ahead());
+        let (mut input, mut state) = (self.model.at_rest(first), model.begin(first, None));
         let mut row = vec![0.0; normal.columns()];
-        self.fill(&state, &mut row);
-        let mut swings: Vec<ResonanceState<f64>> = row.iter().map(|&x| ResonanceState::rest(x)).collect();
+        let mut before = row.clone();
         let (mut tick, mut waiting) = (0, Waiting::of_weight(weight));
         for (index, (&instant, &measured)) in session.instants.iter().zip(&session.displacement).enumerate() {
             while tick < instant as usize {
-                self.model.advance(&mut state, session.voltage[tick]);
-                tick += 1;
-                if let Some(resonance) = &self.resonance {
-                    self.fill(&state, &mut row);
-                    for (column, swing) in row.iter_mut().zip(&mut swings) {
-                        *column = resonance.step(swing, *column);
-                    }
+                if look_ahead.is_some() && tick + 1 == instant as usize {
+                    self.fill(&state, &mut before);
                 }
+                let voltage = self.model.input(&mut input, session.voltage[tick]);
+                model.advance(&mut state, voltage);
+                tick += 1;
             }
             if index < from.max(1) {
                 continue;
             }
-            if self.resonance.is_none() {
-                self.fill(&state, &mut row);
+            self.fill(&state, &mut row);
+            for (now, &before) in row.iter_mut().zip(&before) {
+                *now = look_ahead.of(*now, before);
             }
             row.iter_mut().skip(constant).take(1).for_each(|one| *one = 1.0);
             waiting.add(normal, &row, target(measured));
@@ -77,7 +75,7 @@ impl<M: Linear<f64>> Projection<'_, M> {
     fn fill(&self, state: &M::State, row: &mut [f64]) {
         row.fill(0.0);
         let mut unknowns = self.unknowns.iter();
-        self.model.columns(state, |column| {
+        self.model.model().columns(state, |column| {
             // The constant column has no unknown.
             if let Some(sum) = unknowns.next().and_then(|&unknown| row.get_mut(unknown)) {
                 *sum += column;

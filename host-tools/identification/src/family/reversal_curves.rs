@@ -32,6 +32,7 @@ impl super::Family for Family {
         let curve = |from: usize, to: usize| -curves.everett(node(from), node(to));
         let densities = densities_from_reversal_curves(side, curve)?;
         let parameters = PreisachParameters {
+            lag_s: 0.0,
             lower_v: span.min as f32,
             upper_v: span.max as f32,
             densities_um: List::collect(densities.iter().map(|&mass| (mass as f32).max(0.0)))?,

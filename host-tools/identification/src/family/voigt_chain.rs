@@ -6,6 +6,7 @@ use super::AnyFamily;
 use super::projection::Projection;
 use crate::problem::Problem;
 use crate::search::Gene;
+use estimator_core::model::Lagged;
 use estimator_core::{List, Parameters, Published, Range, VoigtChain, VoigtChainParameters};
 use least_squares::Sign;
 
@@ -65,10 +66,9 @@ impl super::Family for Family {
         signs.resize(unknowns.len(), Sign::Free);
         let projection = Projection {
             problem,
-            model: &VoigtChain::<f64>::build(&base, self.tick),
+            model: &Lagged::<f64, _>::build(0.0, self.tick, VoigtChain::build(&base, self.tick)),
             unknowns: &unknowns,
             signs: &signs,
-            resonance: None,
         };
         let (found, offset) = projection.solve(|y| y)?;
         let (instantaneous, rest) = found.split_first()?;

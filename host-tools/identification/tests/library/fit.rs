@@ -42,11 +42,10 @@ fn each_norm_s_fit_is_the_better_one_in_its_own() {
 #[test]
 fn no_model_exceeds_the_budget() {
     let problem = problem();
-    for (budget, narx, preisach) in [(300, 162, 1), (40, 40, 1)] {
+    for (budget, narx) in [(300, 162), (40, 40)] {
         for fit in fits(&problem, &Model::ALL, in_norm(Norm::L1), budget) {
             let expected = match fit.model {
                 Model::Narx => narx..=narx,
-                Model::Preisach => preisach..=preisach,
                 // It ends where it finds nothing better.
                 _ => budget / 8..=budget,
             };

@@ -4,6 +4,7 @@ mod adversary;
 mod doubt;
 mod fit;
 mod genetic_algorithm;
+mod lagged;
 mod learnt;
 mod preisach;
 mod rest;

@@ -15,7 +15,7 @@ fn session(truth: &PreisachParameters, corners: &[f64]) -> Session {
         let ticks = (corner - from).abs().round().max(1.0);
         voltage.extend((1..=ticks as u32).map(|tick| from + (corner - from) * f64::from(tick) / ticks));
     }
-    let model = Preisach::<f64>::build(truth, 5e-4);
+    let model = Preisach::<f64>::build(truth);
     // From negative saturation, as a rise to the top and a fall leave it.
     let mut state = model.begin(truth.lower_v.into(), None);
     model.step(&mut state, truth.lower_v.into());
@@ -35,6 +35,7 @@ fn least_squares(problem: &Problem) -> AnyFamily {
 #[test]
 fn a_log_of_first_order_reversal_curves_gives_the_model() {
     let truth = PreisachParameters {
+        lag_s: 0.0,
         lower_v: -5.0,
         upper_v: 105.0,
         densities_um: List::collect((0..CELLS).map(|cell| 0.1 + 0.05 * (cell % 7) as f32)).unwrap(),
@@ -43,7 +44,7 @@ fn a_log_of_first_order_reversal_curves_gives_the_model() {
     let curves: Vec<f64> = (1..=20).flat_map(|k| [5.0 * f64::from(k), 0.0]).collect();
     let nested = [90.0, 20.0, 70.0, 35.0, 60.0, 10.0, 95.0, 0.0];
     let problem = Problem::new(vec![session(&truth, &curves)], vec![session(&truth, &nested)], Conditions::default());
-    let found = least_squares(&problem).project(&[], &problem).unwrap();
+    let found = least_squares(&problem).project(&[1.0], &problem).unwrap();
     let stroke = problem.stroke().span();
     let error = problem.held_out(&found, Feedback::Simulation.into()).unwrap();
     assert!(stroke > 5.0 && error < 0.01 * stroke, "{error} of {stroke} µm on loops within loops");

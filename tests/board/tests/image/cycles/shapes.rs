@@ -19,8 +19,12 @@ pub fn shape(tick: u32) -> f32 {
         1 => swing(1.0),
         // Reversals that shrink, so that memories fill, and go on when they are full.
         2 => swing(1.0 - (tick % 60) as f32 / 60.0),
-        // The same within what a drive's slew rate allows in a tick, and in ten.
-        3 => swing(0.1 - 0.1 * (tick % 60) as f32 / 60.0),
+        // The same within what a drive's slew rate allows in a tick, also of a model that hardly moves after a
+        // reversal, and in ten.
+        3 => {
+            let size = if tick < TICKS / 2 { 0.1 } else { 0.012 };
+            swing(size - size * (tick % 45) as f32 / 45.0)
+        }
         4 => {
             let (turn, part) = (tick / 10, (tick % 10) as f32 / 10.0);
             let size = 0.9 - 0.03 * turn as f32;

@@ -93,6 +93,7 @@ fn coarse(table: &Table) -> Table {
 fn line(table: &Table) -> Table {
     let volts = table.voltage_range_v;
     let of = PrandtlIshlinskiiParameters {
+        lag_s: 0.0,
         thresholds_v: List::of([0.0]),
         weights_um_per_v: List::of([1.0]),
         offset_um: 0.0,
@@ -124,7 +125,12 @@ pub fn tables(model: Model, drives: bool) -> Result<Vec<(&'static str, Admitted)
     let largest = Table { interval, ..largest };
     // Those of Voigt's family have but one size.
     let mut tables = if model.is_voigt() { Vec::new() } else { vec![("identified", identified)] };
-    for (name, table) in variants(&largest) {
+    let lag_s = if drives { 0.0 } else { -1e-6 * largest.sample_period_us as f32 };
+    let unlagged = Table { parameters: largest.parameters.with_lag(lag_s), ..largest };
+    // A lag lets less through, and a look-ahead is one more term; the lag of a chain with others is in its largest.
+    let other = model != Model::GeneralisedPrandtlIshlinskii && unlagged.parameters != largest.parameters;
+    for (name, table) in variants(&largest).into_iter().chain(other.then(|| variants(&unlagged)).into_iter().flatten())
+    {
         // (The superposition of the Prandtl-Ishlinskii model takes no offset that its dead zones are not made for.)
         tables.push((name, if drives && model != Model::PrandtlIshlinskii { coarse(&table) } else { table }));
     }
