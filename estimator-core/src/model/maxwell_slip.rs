@@ -17,8 +17,8 @@
 //! - Plays of one input obey `|y_bi − y_bj| ≤ |δ_i − δ_j|`, so the points `y_bi ± δ_i` at which elements begin to slip
 //!   are in the order of δ, in either direction. One pass that stops at the first element that sticks finds m.
 //!
-//! The result is exact and absolute: nothing is summed from tick to tick. Rate-independent; V is
-//! the voltage behind a lag (`lagged.rs`). `k_0 > 0` keeps it bounded.
+//! The result is exact and absolute: nothing is summed from tick to tick. Rate-independent; V is the voltage behind a
+//! lag (`lagged.rs`). `k_0 > 0` keeps it bounded.
 
 use super::lagged::{self, Lagged};
 use super::play::play;

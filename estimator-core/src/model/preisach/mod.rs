@@ -177,7 +177,8 @@ impl<T: Real> Linear<T> for Preisach<T> {
     }
 
     /// The part of each cell that is switched up, 0…1 of a whole cell's area (0…½ at the diagonal), in the order of the
-    /// densities, then 1. They do not depend on the densities.
+    /// densities, then 1. They do not depend on the densities. After a tick that forgets they are those of what is
+    /// remembered from then on.
     fn columns(&self, state: &Self::State, mut each: impl FnMut(T)) {
         for row in 0..self.everett.side() {
             for column in 0..=row {
