@@ -208,7 +208,7 @@ fn a_full_memory_forgets_little() {
 }
 
 /// Before a full memory forgets, in the tick in which it does, and afterwards; of voltages that turn, go on, and wipe
-/// out.
+/// older loops out.
 #[test]
 fn to_try_a_voltage_gives_what_a_step_gives_when_the_memory_is_full() {
     let model = model::<f64>(&UNEVEN);

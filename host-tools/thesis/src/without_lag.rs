@@ -3,8 +3,8 @@
 
 use estimator_core::{Parameters, Table};
 
-/// A table whose model has an input lag, or a look-ahead, that its literature does not have, without it; `None` of any
-/// other.
+/// A table whose model has an input lag, or a look-ahead, that its literature does not have, without it. `None` where
+/// the model has none, or has it as a part of a chain.
 pub fn without_lag(table: &Table) -> Option<Table> {
     let parameters = match table.parameters {
         // Its lag is a part of the chain.

@@ -70,10 +70,7 @@ impl<T: Real> PreisachState<T> {
     }
 
     /// Takes a voltage (units of the grid, 0…n); returns the displacement (µm) above negative saturation. In a tick
-    /// that forgets it is that of the whole memory, and what is forgotten shows from the next tick on, in [`points`]
-    /// too.
-    ///
-    /// [`points`]: Self::points
+    /// that forgets it is that of the whole memory; the next tick and [`points`](Self::points) go by what is left.
     #[inline]
     pub(super) fn go(&mut self, everett: &Everett<T>, at: f32) -> T {
         if at == self.now.at {
@@ -113,8 +110,8 @@ impl<T: Real> PreisachState<T> {
         left
     }
 
-    /// Where the branch from the last of the first `count` reversals is at this voltage; behind the last of all comes
-    /// now.
+    /// Where the branch from the last of the first `count` reversals is at this voltage. One more than there are is
+    /// the branch that turns at the voltage of now.
     #[inline]
     fn branch(&self, everett: &Everett<T>, count: usize, at: f32) -> Reversal<T> {
         let from = match count.checked_sub(1) {
