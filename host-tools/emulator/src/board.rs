@@ -24,8 +24,10 @@ const CYCLES_HZ: u32 = 1_000_000_000;
 const INTERFACE: Interface = Interface { tick_us: TICK_US, adc_full_scale: 65_520, dac_full_scale: 4095 };
 /// How often the ticks that are due are looked for.
 const TURN: Duration = Duration::from_millis(1);
-/// Most ticks between two turns of the link, a quarter of what its queue of samples takes.
-const MOST_TICKS: f64 = 64.0;
+/// Most ticks between two turns of the link. Its queue takes 255 samples. From one look at them to the next come, where
+/// this machine is busy, twice these ticks to be made up for, those of the link's 4 ms, and these again: 224 in all at
+/// sixteen times real time.
+const MOST_TICKS: f64 = 32.0;
 
 /// All that the firmware on this board needs.
 pub struct Board<'l, P, F> {
