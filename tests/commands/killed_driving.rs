@@ -50,26 +50,26 @@ impl Output {
 }
 
 /// A device whose output is looked at, the folder that its host writes into, and what its DAC puts out at rest.
-struct Driven {
-    device: EmulatedDevice,
+pub struct Driven {
+    pub device: EmulatedDevice,
     output: Arc<Output>,
     folder: tempfile::TempDir,
     drive: DriveCalibration,
 }
 
 impl Driven {
-    fn new(drive: DriveCalibration, stored: &Record, plant: impl Plant, speed: f64) -> Self {
+    pub fn new(drive: DriveCalibration, stored: &Record, plant: impl Plant, speed: f64) -> Self {
         let output = Output::at(drive.code(drive.limits.rest_v, 4095));
         let flash = RamFlash::new(pages::with(stored, 4096).unwrap());
         let device = Emulator::new().flash(flash).plant(output.before(plant)).speed(speed).start().unwrap();
         Self { device, output, folder: tempfile::tempdir().unwrap(), drive }
     }
 
-    fn port(&self) -> String {
+    pub fn port(&self) -> String {
         format!("tcp:{}", self.device.address())
     }
 
-    fn path(&self, name: &str) -> PathBuf {
+    pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
@@ -78,7 +78,7 @@ impl Driven {
     }
 
     /// Kills its host some time after it has begun; whether the device was in motion.
-    fn kill(&self, arguments: &[&str], after: Duration) -> bool {
+    pub fn kill(&self, arguments: &[&str], after: Duration) -> bool {
         let mut host = begun(arguments);
         std::thread::sleep(after);
         // One that has ended is none to be killed.
@@ -123,7 +123,7 @@ fn killed(device: impl Fn() -> Driven + Sync, run: impl Fn(&Driven, Duration) ->
 }
 
 /// How many rows a log has that may be cut short; each is whole.
-fn rows(log: &Path) -> usize {
+pub fn rows(log: &Path) -> usize {
     let text = fs::read_to_string(log).unwrap();
     let commas = text.lines().next().unwrap_or_default().matches(',').count();
     assert!(text.is_empty() || text.ends_with('\n') && commas >= 2, "{log:?} ends amid a line");

@@ -26,6 +26,7 @@ mod info;
 mod instruments;
 mod killed;
 mod killed_driving;
+mod killed_learn;
 mod linearise;
 mod locale;
 mod logs;
