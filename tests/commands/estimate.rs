@@ -105,6 +105,9 @@ fn what_is_said_names_the_start_and_where_it_is_not_to_be_believed() {
     {
         assert!(cold.contains(part), "{part:?} is missing in\n{cold}");
     }
+    let cut = said(&["--skip-start", "0.5"]);
+    assert!(cut.contains(" typed: the first 0.5 s; --skip-start 0 takes all.\n"), "{cut}");
+    assert!(cut.contains("6899 estimates") && !cold.contains("Left out of each log"), "{cold}");
     // The same command again finds its own file.
     assert!(said(&["--start-at", "-92"]).contains("since the first sample, 95 % of the time"));
     let (told, in_nanometres) = (said(&["--zero-at", "24:-92"]), said(&["--zero-at", "24:-92000"]));

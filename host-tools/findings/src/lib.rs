@@ -38,7 +38,7 @@ pub use log_use::{log_use, used};
 pub use micrometres::Micrometres;
 pub use proven::proven;
 pub use reason::reason;
-pub use recipe::{monitor_asked, zeros};
+pub use recipe::{ends_left_out, monitor_asked, zeros};
 pub use search::{search, searches};
 pub use short::counted;
 pub use surveyed::{remarked, surveyed};

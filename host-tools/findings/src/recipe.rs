@@ -15,6 +15,16 @@ pub fn monitor_asked(volts: Range<f64>) -> Option<&'static str> {
     )
 }
 
+/// What is left out of each log's ends, where that is anything.
+pub fn ends_left_out(recipe: &Recipe) -> Option<String> {
+    let ends = [("first", recipe.skip_start_s, "--skip-start"), ("last", recipe.skip_end_s, "--skip-end")];
+    let left: Vec<_> = ends.into_iter().filter(|&(_, seconds, _)| seconds > 0.0).collect();
+    let of = left.iter().map(|(end, seconds, _)| format!("the {end} {seconds} s")).collect::<Vec<_>>().join(" and ");
+    let takes = left.iter().map(|(.., option)| format!("{option} 0")).collect::<Vec<_>>().join(" ");
+    (!left.is_empty())
+        .then(|| format!("Left out of each log, as the table says or was typed: {of}; {takes} takes all."))
+}
+
 /// Scale, zeros and delay in words.
 pub fn zeros(recipe: &Recipe) -> String {
     let volts = match recipe.voltage_scale {

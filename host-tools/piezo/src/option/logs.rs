@@ -3,7 +3,7 @@
 use super::number::finite;
 use anyhow::{Result, bail};
 use clap::Args;
-use recordings::log::{Columns, Fault, Log, LogError, Need, ReadOptions, Sensitivity, read_remarked, twins};
+use recordings::log::{Columns, Log, LogError, Need, ReadOptions, Sensitivity, read_remarked, twins};
 use std::path::{Path, PathBuf};
 
 /// What the user says about log files.
@@ -57,7 +57,7 @@ impl LogOptions {
         let (mut logs, mut of_length, mut applied) = (Vec::new(), None, false);
         for path in paths {
             match self.read_by(path, &options) {
-                Err(error) if is_of_length(&error) => {
+                Err(error) if error.downcast_ref().is_some_and(LogError::is_of_length) => {
                     logs.push(self.read_by(path, &ReadOptions { sensor: None, ..options.clone() })?);
                     of_length.get_or_insert(error);
                 }
@@ -76,9 +76,4 @@ impl LogOptions {
         }
         Ok(logs)
     }
-}
-
-/// Whether a sensor's scale was stated for a displacement that is one already.
-fn is_of_length(error: &anyhow::Error) -> bool {
-    matches!(error.downcast_ref(), Some(LogError { fault: Fault::SensitivityOfLength { .. }, .. }))
 }

@@ -82,6 +82,7 @@ pub fn run(arguments: &Estimate) -> Result<bool> {
         out(&serde_json::to_string_pretty(&json!({ "logs": logs, "out": path }))?);
         return Ok(true);
     }
+    findings::ends_left_out(&recipe).iter().for_each(|line| out(line));
     for (estimates, table_v, scale) in &all {
         findings::estimated(estimates, &known, *table_v, *scale).iter().for_each(|line| out(line));
     }

@@ -133,6 +133,7 @@ pub fn run(arguments: &Validate) -> Result<bool> {
             "Zeroed at {at} s: the mean error of the 50 ms up to there is taken off; what follows is scored."
         ));
     }
+    findings::ends_left_out(&recipe).iter().for_each(|line| out(line));
     out("");
     out(&heading("log"));
     for (((comparison, log), trained_on), repair) in comparisons.iter().zip(&logs).zip(&trained_on).zip(&repairs) {

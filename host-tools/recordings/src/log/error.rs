@@ -18,6 +18,13 @@ pub struct LogError {
     pub fault: Fault,
 }
 
+impl LogError {
+    /// A sensor's scale was stated for a displacement that is one already.
+    pub fn is_of_length(&self) -> bool {
+        matches!(self.fault, Fault::SensitivityOfLength { .. })
+    }
+}
+
 /// A fault and where it is; the file's path is added by [`super::read`].
 #[derive(Debug)]
 pub(super) struct PlacedFault(pub Place, pub Fault);
