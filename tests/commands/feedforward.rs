@@ -1,6 +1,6 @@
 //! A wanted trajectory becomes voltages, and what cannot be is refused.
 
-use super::{json, number, piezo, root};
+use super::{json, number, piezo, refused, root, text};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -36,6 +36,23 @@ fn the_model_of_the_voltages_is_the_trajectory() {
     // What was written is a log, of which the same table makes the same displacement.
     let report = json(piezo().arg("validate").args([&table(), &voltages]).args(["--json", "--max-mae", "0.02"]));
     assert!(number(&report, "/logs/0/mil/mae_um") < 0.02, "{report:#}");
+}
+
+/// Of what a device has followed, the wish is wanted again, and not what came of it.
+#[test]
+fn a_log_of_what_was_followed_is_asked_for_what_was_wanted() {
+    let out = tempfile::tempdir().unwrap();
+    let (followed, voltages) = (out.path().join("followed.csv"), out.path().join("voltages.csv"));
+    let row = |k: u32| format!("{:.4},1.0,{:.3},15.0,1.0\n", f64::from(k) * 5e-4, 15.0 + f64::from(k % 2));
+    let heading = "time_s,voltage_V,estimated_displacement_um,wanted_um,driven_V\n";
+    fs::write(&followed, heading.to_owned() + &(0..1000).map(row).collect::<String>()).unwrap();
+    let table = table();
+    let plan =
+        ["feedforward", text(&table), text(&followed), "--slew", "200", "--rest", "1.2", "--out", text(&voltages)];
+    let columns = ["--columns", "displacement=wanted_um"];
+    refused(&plan, &["followed.csv: its displacement is what a device has estimated", &columns.join(" ")]);
+    let said = json(piezo().args(plan).args(columns).arg("--json"));
+    assert!(number(&said, "/round_trip/max_um") < 0.05, "{said:#}");
 }
 
 #[test]

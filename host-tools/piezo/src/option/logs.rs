@@ -1,7 +1,7 @@
 //! What the user says about log files that they do not say themselves.
 
 use super::number::finite;
-use anyhow::{Result, bail};
+use anyhow::{Result, bail, ensure};
 use clap::Args;
 use recordings::log::{Columns, Log, LogError, Need, ReadOptions, Sensitivity, read_remarked, twins};
 use std::path::{Path, PathBuf};
@@ -42,7 +42,9 @@ impl LogOptions {
 
     /// Reads what is wanted: time and displacement, without a voltage.
     pub fn read_trajectory(&self, path: &Path) -> Result<Log> {
-        self.read_by(path, &ReadOptions { voltage_required: false, ..self.options() })
+        let log = self.read_by(path, &ReadOptions { voltage_required: false, ..self.options() })?;
+        ensure!(self.columns.is_some() || !log.displacement_estimated, remedy::of_an_estimate(path));
+        Ok(log)
     }
 
     /// Reads what is to be estimated: time and voltage, whatever else there is, where asked with holes for what

@@ -293,6 +293,14 @@ mod tests {
         (seldom[400], seldom[700]) = (0.4, 0.7);
         let (_, fault) = period(&seldom, None).unwrap_err();
         assert!(matches!(fault, Fault::TimeNotIncreasing { .. }), "one row in a wrong place: {fault}");
+        let (mut equal, even) = (clock(1000, 0.001), |k: u32| (f64::from(k) + f64::from(k * 7919 % 13) * 0.07) * 0.001);
+        [100, 400, 700].into_iter().for_each(|row| equal[row] = equal[row - 1]);
+        let mut jitters: Vec<f64> = (0..200).map(even).collect();
+        jitters[101] = jitters[100];
+        for time in [equal, jitters] {
+            let (place, fault) = period(&time, None).unwrap_err();
+            assert!(matches!(fault, Fault::IrregularTime { .. }), "{place:?}: {fault}");
+        }
         let (place, fault) = period(&(0..200).map(|k| jittery(k % 100)).collect::<Vec<f64>>(), None).unwrap_err();
         assert!(matches!(fault, Fault::TimeNotIncreasing { .. }), "{place:?}: {fault}");
         let (_, fault) = period(&[clock(100, 0.001), clock(100, 0.001)].concat(), None).unwrap_err();

@@ -99,9 +99,9 @@ impl<'a> Steps<'a> {
         self.off * 20 > self.time.len()
     }
 
-    /// Whether the stamps go back now and then, and a little, as those of a clock do that jitters.
+    /// Whether the stamps stand still or go back now and then, and a little, as those of a clock do that jitters.
     fn jitters_back(&self) -> bool {
-        let back = (1..self.time.len()).map(|k| self.step(k)).filter(|step| *step < 0.0);
+        let back = (1..self.time.len()).map(|k| self.step(k)).filter(|step| *step <= 0.0);
         let (count, farthest) = back.fold((0, 0.0_f64), |(count, farthest), step| (count + 1, farthest.min(step)));
         farthest > -BACKWARDS * self.period && (count >= OFTEN || (count > 0 && self.off_in_many()))
     }
