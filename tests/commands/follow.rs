@@ -156,6 +156,22 @@ fn the_moment_in_which_a_speed_is_come_to_counts_neither_in_the_plan_nor_in_what
     assert!(done.status.success() && said.contains("it begins at a speed"), "{said}");
 }
 
+/// Nor what the voltage cannot do at any time: the table's 45 µm take it 90 ms.
+#[test]
+fn a_trajectory_that_begins_faster_than_the_voltage_can_go_is_refused_before_it_is_driven() {
+    let step = |t: f64| if t < 0.01 { 15.0 + 1000.0 * t } else { 25.0 };
+    let peak = |t: f64| 15.0 + 1000.0 * (0.01 - (t - 0.01).abs()).max(0.0);
+    let later = |t: f64| if t < 0.02 { 15.0 + 50.0 * t } else { 16.0 + 1000.0 * (t - 0.02).min(0.01) };
+    for wanted in [&step as &dyn Fn(f64) -> f64, &peak, &later] {
+        for options in [&["--dry-run"][..], &[], &["--max-error", "0.1"]] {
+            let (done, log) = followed(wanted, options, sound());
+            let said = String::from_utf8(done.stderr).unwrap();
+            assert!(done.status.code() == Some(2) && said.contains(" µm off"), "{options:?}: {said}");
+            assert_eq!(log, None);
+        }
+    }
+}
+
 #[test]
 fn a_fault_on_the_way_is_a_failure_and_the_log_is_kept() {
     // Saturated from the 80th tick on at which the amplifier has moved, which is a fault after twenty, on the way to

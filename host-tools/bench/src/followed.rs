@@ -42,6 +42,11 @@ pub struct Foreseen {
     /// a moment later.
     #[serde(skip)]
     counts: usize,
+    /// Ticks of that moment, at the trajectory's beginning.
+    #[serde(rename = "uncounted_ticks")]
+    pub uncounted: usize,
+    /// How far the model is off the trajectory there, µm.
+    pub uncounted_off_um: f64,
     /// How far the model is off the trajectory, µm.
     pub off_um: f64,
     /// On how many ticks of the trajectory a limit is in the way; none where that leads nowhere off.
@@ -65,16 +70,21 @@ impl Foreseen {
         let plan = plan(table, &limits, &Trajectory(whole))?;
         let (near, of_it) = (near(table), &plan.limited[begins..]);
         let limited = of_it.iter().filter(|&&limited| limited).count();
-        // A moment is no longer than the voltage takes for its range.
-        let tick_s: f64 = table.sample_period();
-        let moment = of_it.len().min((f64::from(limits.range_v.span() / limits.slew_v_per_s) / tick_s) as usize);
-        let counts = begins + of_it[..moment].iter().rposition(|&limited| limited).map_or(0, |last| last + 1);
+        // A moment is no longer than the voltage takes for its range, and no speed is come to that it cannot have.
+        let (tick_s, reach_um): (f64, _) = (table.sample_period(), reach(table, &limits));
+        let ticks_of_range = f64::from(limits.range_v.span() / limits.slew_v_per_s) / tick_s;
+        let fastest = (reach_um[1] - reach_um[0]).abs() / ticks_of_range;
+        let too_fast = trajectory.0.windows(2).position(|pair| (pair[1] - pair[0]).abs() > fastest);
+        let moment = of_it.len().min(ticks_of_range as usize).min(too_fast.unwrap_or(usize::MAX));
+        let uncounted = of_it[..moment].iter().rposition(|&limited| limited).map_or(0, |last| last + 1);
+        let counts = begins + uncounted;
+        let uncounted_off_um = plan.off(begins..counts);
         let off_um = plan.round_trip(counts).map_or(0.0, |errors| errors.max_um);
         if let Some(short) = plan.shortfall(counts, allowed_um.unwrap_or(near)) {
-            let (ticks, reach_um) = (of_it.len(), reach(table, &limits));
-            return Err(WaveformError::OutOfReach { limited, ticks, off_um: short.most_um, reach_um });
+            return Err(WaveformError::OutOfReach { limited, ticks: of_it.len(), off_um: short.most_um, reach_um });
         }
-        Ok(Self { plan, begins, counts, off_um, limited: if off_um < near { 0 } else { limited } })
+        let limited = if off_um < near { 0 } else { limited };
+        Ok(Self { plan, begins, counts, uncounted, uncounted_off_um, off_um, limited })
     }
 
     /// What the device said of it in these samples.
@@ -86,12 +96,20 @@ impl Foreseen {
         Reached { status, limited, ticks: own().count() }
     }
 
+    /// What of it does not count, in words.
+    fn aside(&self) -> String {
+        match self.uncounted {
+            0 => String::new(),
+            ticks => format!(
+                " without its first {ticks} ticks (it begins at a speed, and there the model is up to {:.4} µm off),",
+                self.uncounted_off_um
+            ),
+        }
+    }
+
     /// How it was met by as many ticks, in words.
     pub fn told(&self, ticks: usize, met: Option<Met>) -> String {
-        let aside = match self.counts - self.begins {
-            0 => String::new(),
-            ticks => format!(" without its first {ticks} ticks, as it begins at a speed,"),
-        };
+        let aside = self.aside();
         match met {
             Some(Met { after_s, mae_um, max_um }) => format!(
                 "{ticks} ticks, the first {} of them from rest to where the trajectory begins; the estimate was {mae_um:.4} µm off the trajectory \
@@ -122,8 +140,9 @@ impl Display for Foreseen {
         write!(
             f,
             "{} ticks, the first {begins} of them from rest to where the trajectory begins; the device's model is {off_um:.4} µm off it at \
-             most, with a limit in the way on {limited} of its ticks; nothing was driven",
-            plan.voltage.len()
+             most,{} with a limit in the way on {limited} of its ticks; nothing was driven",
+            plan.voltage.len(),
+            self.aside()
         )
     }
 }

@@ -173,6 +173,11 @@ impl Plan {
         Some(Shortfall { tick, most_um: self.errors(tick).fold(0.0, f64::max) })
     }
 
+    /// The largest distance from what is wanted on some ticks, µm.
+    pub fn off(&self, ticks: std::ops::Range<usize>) -> f64 {
+        self.errors(ticks.start).take(ticks.len()).fold(0.0, f64::max)
+    }
+
     /// What the displacement is off from a tick on, µm.
     fn errors(&self, from: usize) -> impl Iterator<Item = f64> {
         self.displacement.iter().zip(&self.wanted).skip(from).map(|(y, r)| (y - r).abs())
