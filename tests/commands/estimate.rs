@@ -124,6 +124,11 @@ fn what_is_said_names_the_start_and_where_it_is_not_to_be_believed() {
     let estimate = ["estimate", TABLE, text(&monitor), "--voltage-scale", "20", "--force"];
     let of = |more: &[&str], parts: &[&str]| refused(&[&estimate[..], more].concat(), parts);
     of(&["--start-at", "0"], &["a start at 0 µm is none of this table's", " to -6"]);
+    // Within the limits, and by no memory at that voltage.
+    of(
+        &["--start-at", "-68"],
+        &["a start at -68 µm is none of this table's at the first sample's voltage, where the nearest is at -70.3"],
+    );
     of(&["--zero-at", "99:-92"], &["the zero, 99 s, must lie after 0.000 s", "34.995 s"]);
     of(&["--zero-at", "24"], &["as 24:-91.5"]);
     of(&["--zero-at", "24:-92", "--start-at", "-92"], &["cannot be used with"]);

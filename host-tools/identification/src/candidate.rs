@@ -100,10 +100,24 @@ impl Candidate {
         Figures::all(self.training.iter().map(|comparison| &comparison.mil))
     }
 
+    /// Mean error over all training logs, each without its offset ([`Comparison::from_its_start`]), µm.
+    pub fn training_off_um(&self) -> Option<f64> {
+        off_um(&self.training)
+    }
+
+    /// The same over all that was held out.
+    pub fn held_out_off_um(&self) -> Option<f64> {
+        off_um(&self.held_out)
+    }
+
     /// Reference errors over all that was held out.
     pub fn held_out_figures(&self) -> Option<Figures> {
         Figures::all(self.held_out.iter().map(|comparison| &comparison.mil))
     }
+}
+
+fn off_um(logs: &[Comparison]) -> Option<f64> {
+    Some(Figures::all(logs.iter().map(Comparison::from_its_start))?.mae_without_offset_um)
 }
 
 fn table(problem: &Problem, parameters: Parameters, context: &TableContext) -> Result<Table, CandidateError> {

@@ -64,8 +64,7 @@ pub fn second_choice(
 /// The models among which the choice is made once more besides the first, of those that may be chosen; `None` where
 /// nothing speaks against the first.
 fn rivals(identification: &Identification<'_>, candidates: &[Candidate], chosen: usize) -> Option<Vec<usize>> {
-    let off = |candidate: &Candidate| candidate.held_out_figures().map(|figures| figures.mae_without_offset_um);
-    let (first, first_off) = (&candidates[chosen], off(&candidates[chosen])?);
+    let (first, first_off) = (&candidates[chosen], candidates[chosen].held_out_off_um()?);
     let fits: Vec<Fit> = candidates.iter().map(|candidate| candidate.fit.clone()).collect();
     let eligible = eligible(identification.problem, identification.cost, &fits);
     let may_be_chosen: Vec<Model> = eligible.into_iter().map(|(fit, _)| fit.model).collect();
@@ -73,11 +72,11 @@ fn rivals(identification: &Identification<'_>, candidates: &[Candidate], chosen:
         .iter()
         .enumerate()
         .filter(|&(index, candidate)| index != chosen && may_be_chosen.contains(&candidate.fit.model))
-        .filter_map(|(index, candidate)| Some((index, off(candidate)?)))
+        .filter_map(|(index, candidate)| Some((index, candidate.held_out_off_um()?)))
         .collect();
     others.sort_by(|(_, a), (_, b)| a.total_cmp(b));
     let contradicted = others.first().is_some_and(|(_, least)| *least < CONTRADICTS * first_off);
-    let training = first.training_figures().map_or(0.0, |figures| figures.mae_without_offset_um);
+    let training = first.training_off_um().unwrap_or(0.0);
     let untaught = far(training, first_off, identification.problem.stroke().span()).is_some();
     let near = others.into_iter().take_while(|(_, off)| *off <= WITHIN * first_off).take(RIVALS);
     (contradicted || untaught).then(|| near.map(|(index, _)| index).collect())

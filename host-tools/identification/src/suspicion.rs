@@ -59,11 +59,11 @@ pub fn doubts(
         }
     }
     doubts.extend(poor(candidate.training.iter().map(|log| (&*log.name, log.mil))));
-    match (judged.training_figures(), judged.held_out_figures()) {
-        (Some(training), Some(held_out)) => {
-            let (training_um, held_out_um) = (training.mae_without_offset_um, held_out.mae_without_offset_um);
+    let off_um = judged.training_off_um().zip(judged.held_out_off_um());
+    match (judged.training_figures(), judged.held_out_figures(), off_um) {
+        (Some(training), Some(held_out), Some((training_um, held_out_um))) => {
             doubts.extend(far(training_um, held_out_um, training.stroke_um));
-            let whole = candidate.training_figures().map(|of| of.mae_without_offset_um);
+            let whole = candidate.training_off_um();
             doubts.extend(whole.and_then(|whole_um| worse(whole_um, training_um.max(held_out_um), training.stroke_um)));
             doubts.extend(drift(judged.held_out.iter().map(|log| (&*log.name, log.mil.offset_um)), &held_out));
         }

@@ -137,7 +137,7 @@ fn own(candidate: &Candidate) -> f64 {
 /// out, or where nothing was, of the training. (What fast logs have beyond that belongs to the rate.)
 fn misfit(candidate: &Candidate) -> f64 {
     let logs = if candidate.held_out.is_empty() { &candidate.training } else { &candidate.held_out };
-    let mut errors: Vec<f64> = logs.iter().map(|log| log.mil.rmse_without_offset_um).collect();
+    let mut errors: Vec<f64> = logs.iter().map(|log| log.from_its_start().rmse_without_offset_um).collect();
     errors.sort_by(f64::total_cmp);
     errors.get(errors.len() / 2).copied().unwrap_or(0.0).max(f64::MIN_POSITIVE)
 }

@@ -34,8 +34,8 @@ pub struct Comparison {
     pub sil: Figures,
     /// Largest difference of the two estimates, µm.
     pub mil_sil_um: f64,
-    /// How the interval of the f32 core did, relative to the first reading, or to the zero where there is one; `None`
-    /// where the table has no interval, or the zero comes too soon.
+    /// How the interval of the f32 core did, told the first reading and relative to that, or told nothing and relative
+    /// to the zero where there is one; `None` where the table has no interval, or the zero comes too soon.
     pub interval: Option<Coverage>,
     /// The same once the mean over the voltage's first full cycle was told ([`Told::OneCycle`]), over what follows;
     /// `None` where the table has no interval, or the voltage makes no cycle.
@@ -54,6 +54,20 @@ pub struct Comparison {
     pub raised: Vec<Raised>,
     /// The reference beside the sensor, from the log's beginning on, not zeroed.
     pub trace: Trace,
+}
+
+/// So much less, of the error without offset told the first reading, is that told nothing where the sensor's zero is
+/// another's.
+const LESS: f64 = 0.9;
+
+impl Comparison {
+    /// Errors whose offset is left aside: told the first reading, or told nothing where that is clearly less. A log may
+    /// begin amid a motion; or at rest, by a sensor whose zero is not that of the training, and the first reading is
+    /// then a memory that the actuator does not have, and that its first swing wipes out.
+    pub fn from_its_start(&self) -> &Figures {
+        let Self { mil, told: ToldFigures { nothing, .. }, .. } = self;
+        if nothing.rmse_without_offset_um < LESS * mil.rmse_without_offset_um { nothing } else { mil }
+    }
 }
 
 /// Runs a table over a session, all of which is scored but what it says that something was learnt from.
@@ -77,7 +91,10 @@ fn within(table: &Admitted, session: &Session, part: &Part) -> Comparison {
     let reference = Run::of::<f64>(table, session, Some(first), zero);
     let single = Run::of::<f32>(table, session, Some(first), zero);
     let nothing = Run::of::<f32>(table, session, None, zero);
-    let beside = Correction::of(Told::FirstReading, session, part, &single);
+    // Before a zero a device is told nothing.
+    let (before, run) = if zero.is_some() { (Told::Nothing, &nothing) } else { (Told::FirstReading, &single) };
+    let beside = Correction::of(before, session, part, run);
+    let interval = beside.ok().and_then(|correction| correction.coverage(session, run));
     let told = ToldFigures::of(session, part, &nothing, &single);
     let instants = &session.instants[1..];
     let time = |k: usize| time_s(session, instants[k]);
@@ -87,7 +104,7 @@ fn within(table: &Admitted, session: &Session, part: &Part) -> Comparison {
         mil: ToldFigures::of(session, part, &reference, &reference).first_reading,
         sil: told.first_reading,
         mil_sil_um: reference.estimated.iter().zip(&single.estimated).map(difference).fold(0.0, f64::max),
-        interval: beside.ok().and_then(|correction| correction.coverage(session, &single)),
+        interval,
         interval_one_cycle: after_one_cycle(table, session, part, &nothing),
         cold: cold(session, part, &nothing),
         told,

@@ -5,7 +5,7 @@ use crate::raised::{Raised, raised};
 use crate::run::Run;
 use crate::scope::{Scope, ScopeError, time_s};
 use crate::told::{Correction, Told};
-use estimator_core::{Admitted, Range, Status};
+use estimator_core::{Admitted, Estimator, Range, Status};
 use recordings::log::Log;
 use recordings::prepare::{PrepareError, Recipe};
 use recordings::session::Session;
@@ -120,6 +120,17 @@ pub enum UnmeasuredError {
         /// The table's largest.
         max_um: f64,
     },
+    /// No memory of the model is where it is said to have started, at the voltage of that sample.
+    #[error(
+        "a start at {start_um} µm is none of this table's at the first sample's voltage, where the nearest is at {nearest_um:.3} µm by the training \
+         sensor's zero"
+    )]
+    Memory {
+        /// What was said.
+        start_um: f64,
+        /// What is nearest to it.
+        nearest_um: f64,
+    },
     /// The log has nothing at the zero's time.
     #[error(transparent)]
     Zero(#[from] ScopeError),
@@ -135,6 +146,17 @@ pub fn unmeasured(table: &Admitted, log: Log, recipe: &Recipe, known: Known) -> 
     let holes: Vec<Range<f64>> =
         log.holes.iter().map(|hole| Range { min: row_s(hole.start), max: row_s(hole.end.saturating_sub(1)) }).collect();
     Ok(everywhere(table, log, recipe, known)?.without(&holes))
+}
+
+/// Of the limits: a reading and a model may be off by so much, and a start further away is none of the table.
+const FAR: f64 = 0.01;
+
+/// Where the model is at a session's first voltage, told that it starts at a displacement (µm, relative to its zero).
+fn started(table: &Admitted, session: &Session, start: f64) -> f64 {
+    let mut estimator = Estimator::<f64>::new(table);
+    estimator.start_at(start);
+    let first = session.rested_v.or(session.voltage.first().copied()).unwrap_or(0.0);
+    estimator.tick_volts(first + f64::from(table.voltage_zero_v)).displacement
 }
 
 /// The estimates at all instants, in holes of the log, too.
@@ -153,6 +175,10 @@ fn everywhere(table: &Admitted, log: Log, recipe: &Recipe, known: Known) -> Resu
             if !limits.contains(start) {
                 let ends = Range::of_values([limits.min, limits.max].map(|um| in_file(&recipe, um)));
                 return Err(UnmeasuredError::Start { start_um, min_um: ends.min, max_um: ends.max });
+            }
+            let nearest = started(table, &session, start);
+            if (start - nearest).abs() > FAR * limits.span() {
+                return Err(UnmeasuredError::Memory { start_um, nearest_um: in_file(&recipe, nearest) });
             }
             Ok(Estimates::of(&session, &recipe, &run(Some(start), None)))
         }

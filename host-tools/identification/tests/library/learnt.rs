@@ -107,3 +107,29 @@ fn what_each_log_was_used_for_says_which_part_has_judged() {
     let judged = [(Role::JudgedThenLearnt, 0.3, 0.6); 2];
     assert_eq!(told(&outcome(Model::Voigt, 0.5)), [&whole[..], &judged].concat());
 }
+
+/// A first reading that the model takes for a memory, and that the first swing wipes out, is no error of the model's.
+#[test]
+fn a_sensor_whose_zero_is_another_on_what_is_held_out_makes_no_model_worse() {
+    let off = |by_um: f64| {
+        let mut job = job(Model::GeneralisedPrandtlIshlinskii, 0.0, true);
+        let moved =
+            |log: Log| Log { displacement: log.displacement.map(|um| um.iter().map(|y| y + by_um).collect()), ..log };
+        job.held_out = job.held_out.into_iter().map(moved).collect();
+        let outcome = job.run(&mut |_, _| ()).unwrap();
+        let far = outcome.doubts.iter().any(|doubt| matches!(doubt, Doubt::HeldOutFar { .. }));
+        let [told, off_um] = [
+            outcome.judged().held_out_figures().unwrap().mae_without_offset_um,
+            outcome.judged().held_out_off_um().unwrap(),
+        ];
+        (told, off_um, far)
+    };
+    let (_, right, _) = off(0.0);
+    for by_um in [-1.0, 1.0] {
+        let (told, off_um, far) = off(by_um);
+        assert!(
+            off_um < 1.2 * right && told > 1.5 * right && !far,
+            "{by_um} µm: {off_um} of {told} µm, {right} µm else"
+        );
+    }
+}
