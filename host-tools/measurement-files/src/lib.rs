@@ -16,6 +16,7 @@ mod lines;
 mod mat5;
 mod mat5_element;
 mod preamble;
+mod reading;
 mod sample_time;
 mod stamp;
 mod table;

@@ -1,6 +1,7 @@
 //! A file's table: what its columns are called, and its rows, one after the other.
 
 use crate::fault::{Fault, Place, PlacedFault};
+use crate::reading::is_reading;
 use crate::sample_time::SampleTime;
 use crate::text_rows::TextRows;
 
@@ -42,7 +43,8 @@ pub struct Column {
 
 impl Table<'_> {
     /// Hands each row's values of the columns `wanted` (indices into [`Table::columns`]) to `visit`, to the file's end.
-    /// With `holes`, a value that is no finite number is NaN where another of its row is one.
+    /// With `holes`, a value that is no finite number, or an instrument's overload, is NaN where another of its row is
+    /// a reading.
     ///
     /// # Errors
     /// The first row that is none, with its place.
@@ -76,8 +78,8 @@ fn series(
     let mut row = vec![0.0; chosen.len()];
     for index in 0..length {
         row.iter_mut().zip(&chosen).for_each(|(value, values)| *value = values[index]);
-        let some = holes && row.iter().any(|value| value.is_finite());
-        for (column, value) in row.iter_mut().enumerate().filter(|(_, value)| !value.is_finite()) {
+        let some = holes && row.iter().any(|&value| is_reading(value));
+        for (column, value) in row.iter_mut().enumerate().filter(|(_, value)| !is_reading(**value)) {
             if !some {
                 let value = value.to_string();
                 return Err(Fault::NotFinite { column, value }.at(place(first, index)));

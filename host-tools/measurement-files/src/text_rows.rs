@@ -8,6 +8,7 @@ use crate::excerpt::excerpt;
 use crate::fault::{Fault, Place, PlacedFault};
 use crate::layout::{Layout, is_comment};
 use crate::lines::Lines;
+use crate::reading::is_reading;
 use crate::stamp::{DAY, Stamp};
 
 /// Most lines of words behind a table that are no rows gone bad.
@@ -94,11 +95,11 @@ impl TextRows<'_> {
             return Err(Fault::UnevenRow { found: fields.len(), expected });
         }
         let number = |at: &usize| fields.get(*at).and_then(|field| self.layout.dialect.number(field));
-        let some = holes && wanted.iter().any(|at| number(at).is_some_and(f64::is_finite));
+        let some = holes && wanted.iter().any(|at| number(at).is_some_and(is_reading));
         for (column, ((&at, clock), value)) in wanted.iter().zip(clocks).zip(row).enumerate() {
             let field = fields.get(at).map_or("", |field| field);
             if some && clock.is_none() {
-                *value = number(&at).filter(|value| value.is_finite()).unwrap_or(f64::NAN);
+                *value = number(&at).filter(|&value| is_reading(value)).unwrap_or(f64::NAN);
                 continue;
             }
             *value = match clock {
@@ -109,7 +110,7 @@ impl TextRows<'_> {
                 "" => Fault::MissingField { column },
                 _ => Fault::NotANumber { column, value: excerpt(field) },
             })?;
-            if !value.is_finite() {
+            if !is_reading(*value) {
                 return Err(Fault::NotFinite { column, value: excerpt(field) });
             }
         }

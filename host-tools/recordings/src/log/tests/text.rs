@@ -199,6 +199,9 @@ fn a_value_that_is_no_number_is_a_hole_where_that_is_asked_for() {
     let with_holes = ReadOptions { holes: true, ..options("", None) };
     let log = parsed(&text, &with_holes).unwrap();
     assert_eq!(log.holes, [3..5, 10..11, 19..20]);
+    // As instruments that speak SCPI write an overload, and what is no number in single precision.
+    let scpi = text.replace("NaN", "-9.9E+37").replace("overload", "9.9100003e37");
+    assert_eq!(parsed(&scpi, &with_holes).unwrap().holes, log.holes);
     let displacement = log.displacement.clone().unwrap();
     let between = |values: &[f64], row: usize| (values[row - 1] + values[row + 1]) / 2.0;
     assert_eq!(log.voltage[3], between(&log.voltage, 3));
