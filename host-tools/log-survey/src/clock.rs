@@ -52,6 +52,8 @@ pub(crate) struct Tally {
     long: u64,
     /// What the long steps last together, s.
     long_s: f64,
+    /// The step before, s, where it is a long one.
+    late: Option<f64>,
     /// Steps to a stamp before the last one.
     back: u64,
     /// Steps back or forth that are no jitter, and what they last together, s.
@@ -74,10 +76,17 @@ impl Tally {
         if self.rows > 2 && step.abs() > FAR * mean {
             (self.far, self.far_s) = (self.far + 1, self.far_s + step);
         }
+        // A stamp that comes late alone leaves the next step as much shorter, and is no gap.
+        if let Some(late) = self.late.take().filter(|late| step < 0.5 * mean && late + step < 2.5 * mean) {
+            self.long -= 1;
+            self.long_s -= late;
+            self.behind.pop_if(|(row, _)| *row + 1 == self.rows);
+        }
         // The mean so far tells a gap from the second step on.
         if self.rows > 2 && step > 1.5 * mean {
             self.long += 1;
             self.long_s += step;
+            self.late = Some(step);
             if self.behind.len() < KNOWN {
                 self.behind.push((self.rows, step));
             }

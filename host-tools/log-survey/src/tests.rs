@@ -139,6 +139,15 @@ fn samples_that_are_missing_are_no_secret_where_the_time_leaps() {
     assert!(matches!(told[..], [Found { worst: Flaw::Hole { .. }, .. }]), "{told:?}");
 }
 
+/// A clock that writes whole periods, and now and then one of them late.
+#[test]
+fn a_stamp_that_comes_late_alone_is_no_gap_and_does_not_change_the_rate() {
+    let rows = sine(10.0, 2.0, 5.0).enumerate().map(|(k, v)| (if k % 97 == 50 { k + 1 } else { k }, v));
+    let survey = surveyed(rows.map(|(k, v)| (k as f64 / 1000.0, v, 0.1 * v)));
+    assert!((survey.clock.hz - 1000.0).abs() < 0.5 && survey.clock.long_steps == 0, "{:?}", survey.clock);
+    assert_eq!(survey.flaws, Some(Vec::new()));
+}
+
 #[test]
 fn time_stamps_that_do_not_advance_have_no_rate() {
     let survey = surveyed([(1.0, 0.0, 0.0), (1.0, 1.0, 0.1), (1.0, 0.5, 0.05)].into_iter());

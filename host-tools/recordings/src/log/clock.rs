@@ -307,6 +307,20 @@ mod tests {
         assert!(matches!(fault, Fault::TimeNotIncreasing { .. }), "{fault}");
     }
 
+    /// Written in whole periods, so that a stamp that is late by one is the next one's.
+    #[test]
+    fn stamps_that_are_late_by_a_period_are_no_gap() {
+        for every in [50, 100, 200] {
+            let mut time = clock(4000, 0.001);
+            (every..4000)
+                .step_by(every)
+                .for_each(|row| time[row] = printed(&[time[row] + 0.001], |t| format!("{t:.3}"))[0]);
+            let (place, fault) = period(&time, None).unwrap_err();
+            assert!(matches!(fault, Fault::IrregularTime { .. }), "{every}: {place:?}: {fault}");
+            assert!(steps::few_gaps(&time, &resolution(&time), 0.001).is_empty(), "{every}");
+        }
+    }
+
     #[test]
     fn a_stated_rate_must_agree() {
         let time = clock(100, 0.0005);

@@ -112,8 +112,13 @@ impl<'a> Steps<'a> {
         (self.step(k) - self.period).abs() <= JITTER * self.period + slack
     }
 
-    /// How many samples are missing before row `k`, if the step to it is a whole number of periods.
+    /// How many samples are missing before row `k`, if the step to it is a whole number of periods, and what follows is
+    /// as late: one stamp that comes late leaves the next step as much shorter.
     fn missing(&self, k: usize) -> Option<u64> {
+        let caught_up = |next: usize| self.step(next) + self.slack(next) < self.period / 2.0;
+        if k + 1 < self.time.len() && caught_up(k + 1) {
+            return None;
+        }
         let samples = (self.step(k) / self.period).round();
         let near = (self.step(k) - samples * self.period).abs() <= 0.1 * self.period + self.slack(k);
         (samples >= 2.0 && near).then(|| samples as u64 - 1)
