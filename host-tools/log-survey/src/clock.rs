@@ -50,10 +50,12 @@ pub(crate) struct Tally {
     rows: u64,
     steps: Option<(f64, f64)>,
     long: u64,
-    /// What the long steps last together, s.
+    /// How many of them the next step made up for.
+    made_up: u64,
+    /// What the others last together, s.
     long_s: f64,
     /// The step before, s, where it is a long one.
-    late: Option<f64>,
+    long_before: Option<f64>,
     /// Steps to a stamp before the last one.
     back: u64,
     /// Steps back or forth that are no jitter, and what they last together, s.
@@ -77,16 +79,16 @@ impl Tally {
             (self.far, self.far_s) = (self.far + 1, self.far_s + step);
         }
         // A stamp that comes late alone leaves the next step as much shorter, and is no gap.
-        if let Some(late) = self.late.take().filter(|late| step < 0.5 * mean && late + step < 2.5 * mean) {
-            self.long -= 1;
-            self.long_s -= late;
+        if let Some(long) = self.long_before.take().filter(|long| step < 0.5 * mean && long + step < 2.5 * mean) {
+            self.made_up += 1;
+            self.long_s -= long;
             self.behind.pop_if(|(row, _)| *row + 1 == self.rows);
         }
         // The mean so far tells a gap from the second step on.
         if self.rows > 2 && step > 1.5 * mean {
             self.long += 1;
             self.long_s += step;
-            self.late = Some(step);
+            self.long_before = Some(step);
             if self.behind.len() < KNOWN {
                 self.behind.push((self.rows, step));
             }
@@ -100,7 +102,7 @@ impl Tally {
     /// up for them.
     fn gaps(&self) -> u64 {
         let seldom = (self.long as f64) < GAPS * self.rows.saturating_sub(1) as f64;
-        if seldom && self.back == 0 { self.long } else { 0 }
+        if seldom && self.back == 0 { self.long - self.made_up } else { 0 }
     }
 
     /// Whether a time stamp near this row, counted from 0, comes late: what is missing there is no secret.

@@ -310,7 +310,7 @@ mod tests {
     /// Written in whole periods, so that a stamp that is late by one is the next one's.
     #[test]
     fn stamps_that_are_late_by_a_period_are_no_gap() {
-        for every in [50, 100, 200] {
+        for every in [50, 100, 200, 2_100] {
             let mut time = clock(4000, 0.001);
             (every..4000)
                 .step_by(every)
@@ -319,6 +319,11 @@ mod tests {
             assert!(matches!(fault, Fault::IrregularTime { .. }), "{every}: {place:?}: {fault}");
             assert!(steps::few_gaps(&time, &resolution(&time), 0.001).is_empty(), "{every}");
         }
+        // What is missing is missing though the next stamp comes early.
+        let mut time = clock(4000, 0.001);
+        time[2000..].iter_mut().for_each(|stamp| *stamp += 0.1);
+        time[2001] -= 0.0006;
+        assert_eq!(steps::few_gaps(&time, &resolution(&time), 0.001), [(2000, 100)]);
     }
 
     #[test]

@@ -99,11 +99,15 @@ impl<'a> Steps<'a> {
         self.off * 20 > self.time.len()
     }
 
-    /// Whether the stamps stand still or go back now and then, and a little, as those of a clock do that jitters.
+    /// Whether the stamps stand still or go back now and then, and a little, as those of a clock do that jitters; once
+    /// is enough where that makes up for a step of two periods.
     fn jitters_back(&self) -> bool {
         let back = (1..self.time.len()).map(|k| self.step(k)).filter(|step| *step <= 0.0);
         let (count, farthest) = back.fold((0, 0.0_f64), |(count, farthest), step| (count + 1, farthest.min(step)));
-        farthest > -BACKWARDS * self.period && (count >= OFTEN || (count > 0 && self.off_in_many()))
+        let near = |step: f64, periods: f64| (step - periods * self.period).abs() <= 0.1 * self.period;
+        let made_up = |k: usize| near(self.step(k - 1), 2.0) && near(self.step(k), 0.0);
+        let often = count >= OFTEN || (count > 0 && self.off_in_many());
+        farthest > -BACKWARDS * self.period && (often || (2..self.time.len()).any(made_up))
     }
 
     fn explains(&self, k: usize) -> bool {
@@ -115,7 +119,9 @@ impl<'a> Steps<'a> {
     /// How many samples are missing before row `k`, if the step to it is a whole number of periods, and what follows is
     /// as late: one stamp that comes late leaves the next step as much shorter.
     fn missing(&self, k: usize) -> Option<u64> {
-        let caught_up = |next: usize| self.step(next) + self.slack(next) < self.period / 2.0;
+        let caught_up = |next: usize| {
+            self.step(next) + self.slack(next) < 0.5 * self.period && self.step(k) + self.step(next) < 2.5 * self.period
+        };
         if k + 1 < self.time.len() && caught_up(k + 1) {
             return None;
         }
