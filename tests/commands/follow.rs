@@ -156,7 +156,7 @@ fn the_moment_in_which_a_speed_is_come_to_counts_neither_in_the_plan_nor_in_what
     assert!(done.status.success() && said.contains("it begins at a speed"), "{said}");
 }
 
-/// Nor what the voltage cannot do at any time: the table's 45 µm take it 90 ms.
+/// The table's 45 µm take the voltage 90 ms.
 #[test]
 fn a_trajectory_that_begins_faster_than_the_voltage_can_go_is_refused_before_it_is_driven() {
     let step = |t: f64| if t < 0.01 { 15.0 + 1000.0 * t } else { 25.0 };

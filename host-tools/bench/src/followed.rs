@@ -5,7 +5,7 @@
 
 use crate::waveform::{WaveformError, begins_in_reach};
 use device_link::streamed::{Streamed, of_tick_before};
-use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, Status};
+use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, Estimator, Range, Status};
 use feedforward::{Plan, Trajectory, approach, near, plan, reach};
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
@@ -13,6 +13,9 @@ use std::io::{self, Write};
 
 /// An estimate this near to what was wanted has met it, as a fraction of the table's span of displacements.
 const MET: f64 = 1e-2;
+
+/// Ticks in which the way over the drive's range is looked at, at most.
+const LONGEST_RANGE: f64 = 1e6;
 
 /// An instant at which something was wanted, and what was estimated then.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -68,20 +71,24 @@ impl Foreseen {
         let begins = whole.len();
         whole.extend(&trajectory.0);
         let plan = plan(table, &limits, &Trajectory(whole))?;
-        let (near, of_it) = (near(table), &plan.limited[begins..]);
+        // A tick's voltage is for what is wanted so many ticks later.
+        let ahead = (1.0 + table.parameters.delay_ticks()).ceil() as usize;
+        let (near, before) = (near(table), begins.saturating_sub(ahead));
+        let of_it = &plan.limited[before..];
         let limited = of_it.iter().filter(|&&limited| limited).count();
         // A moment is no longer than the voltage takes for its range, and no speed is come to that it cannot have.
-        let (tick_s, reach_um): (f64, _) = (table.sample_period(), reach(table, &limits));
-        let ticks_of_range = f64::from(limits.range_v.span() / limits.slew_v_per_s) / tick_s;
-        let fastest = (reach_um[1] - reach_um[0]).abs() / ticks_of_range;
+        let (ticks_of_range, fastest) = fastest(table, &limits);
         let too_fast = trajectory.0.windows(2).position(|pair| (pair[1] - pair[0]).abs() > fastest);
-        let moment = of_it.len().min(ticks_of_range as usize).min(too_fast.unwrap_or(usize::MAX));
+        let moment = trajectory.0.len().min(ticks_of_range).min(too_fast.unwrap_or(usize::MAX));
         let uncounted = of_it[..moment].iter().rposition(|&limited| limited).map_or(0, |last| last + 1);
-        let counts = begins + uncounted;
+        let (counts, end) = (begins + uncounted, plan.wanted.len());
         let uncounted_off_um = plan.off(begins..counts);
         let off_um = plan.round_trip(counts).map_or(0.0, |errors| errors.max_um);
-        if let Some(short) = plan.shortfall(counts, allowed_um.unwrap_or(near)) {
-            return Err(WaveformError::OutOfReach { limited, ticks: of_it.len(), off_um: short.most_um, reach_um });
+        let in_the_way = of_it[uncounted.min(of_it.len())..].iter().position(|&limited| limited);
+        let short_um = in_the_way.map(|at| plan.off((before + uncounted + at).max(counts)..end));
+        if let Some(off_um) = short_um.filter(|short_um| *short_um >= allowed_um.unwrap_or(near)) {
+            let (ticks, reach_um) = (trajectory.0.len(), reach(table, &limits));
+            return Err(WaveformError::OutOfReach { limited, ticks, off_um, reach_um });
         }
         let limited = if off_um < near { 0 } else { limited };
         Ok(Self { plan, begins, counts, uncounted, uncounted_off_um, off_um, limited })
@@ -121,6 +128,23 @@ impl Foreseen {
             ),
         }
     }
+}
+
+/// Ticks that the voltage takes for the drive's range at its slew rate, and the fastest that the displacement goes on
+/// the way up and back, µm a tick.
+fn fastest(table: &Admitted, limits: &DriveLimits) -> (usize, f64) {
+    let Range { min, max } = limits.range_v;
+    let ticks = (f64::from(max - min) / (f64::from(limits.slew_v_per_s) * table.sample_period::<f64>())).ceil();
+    let ticks = ticks.clamp(1.0, LONGEST_RANGE) as usize;
+    let mut model = Estimator::<f64>::new(table).of_held_voltage();
+    let mut at = |volts: f64| model.tick_volts(volts).displacement;
+    let mut last = at(min.into());
+    let up = (0..=ticks).map(|k| f64::from(min) + f64::from(max - min) * k as f64 / ticks as f64);
+    let fastest = up.clone().chain(up.rev()).fold(0.0, |most: f64, volts| {
+        let before = std::mem::replace(&mut last, at(volts));
+        most.max((last - before).abs())
+    });
+    (ticks, fastest)
 }
 
 /// What the device said of a trajectory.
@@ -234,5 +258,48 @@ impl Met {
             mae_um: met.iter().map(error).sum::<f64>() / met.len() as f64,
             max_um: met.iter().map(error).fold(0.0, f64::max),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use estimator_core::{GeneralisedPrandtlIshlinskiiParameters, Parameters, Table};
+    use std::path::Path;
+    use table_files::TableFile;
+
+    /// A table that drives 3.6 V in 90 ms, with a delay in ticks.
+    fn delayed(delay_ticks: f32) -> Admitted {
+        let models = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/table/models");
+        let (_, table) = TableFile::load(&Path::new(models).join("generalised-prandtl-ishlinskii.toml")).unwrap();
+        let Parameters::GeneralisedPrandtlIshlinskii(of) = table.parameters else { panic!("another model") };
+        let of = GeneralisedPrandtlIshlinskiiParameters { delay_ticks, ..of };
+        let limits = DriveLimits { range_v: Range { min: 0.0, max: 3.6 }, rest_v: 0.0, slew_v_per_s: 40.0 };
+        let drive = DriveCalibration { gain_codes_per_v: 1000.0, offset_code: 0.0, limits, setpoint: None };
+        let parameters = Parameters::GeneralisedPrandtlIshlinskii(of);
+        Table { parameters, drive: Some(drive), ..*table }.admit().unwrap()
+    }
+
+    /// Held at 15 µm, then from a tick on by so many µm a tick.
+    fn trajectory(from: usize, per_tick: f64, most: f64) -> Trajectory {
+        Trajectory((0..600).map(|tick: usize| 15.0 + most.min(per_tick * tick.saturating_sub(from) as f64)).collect())
+    }
+
+    #[test]
+    fn a_step_is_refused_however_late_the_displacement_is_and_a_speed_is_come_to() {
+        for delay_ticks in [0.0, 8.0] {
+            let table = delayed(delay_ticks);
+            let (_, fastest) = fastest(&table, &table.drive.unwrap().limits);
+            for from in [0, 1, 5, 20, 100, 400] {
+                // The voltage goes as far within the delay.
+                let step =
+                    Foreseen::of(&table, &trajectory(from, 5.0 * fastest, 5.0 * fastest), None).map(|of| of.uncounted);
+                assert!(matches!(step, Err(WaveformError::OutOfReach { .. })), "{delay_ticks}, {from}: {step:?}");
+            }
+            let ramp = Foreseen::of(&table, &trajectory(0, 0.5 * fastest, 20.0), None).unwrap();
+            let Foreseen { uncounted, uncounted_off_um, off_um, .. } = ramp;
+            assert!(off_um < near(&table) && (1..=180).contains(&uncounted), "{uncounted} ticks, then {off_um} µm off");
+            assert!(uncounted_off_um >= near(&table), "{uncounted_off_um} µm");
+        }
     }
 }
