@@ -24,6 +24,8 @@ use std::time::{Duration, Instant};
 /// Devices whose hosts are killed, each some time later than the one before; and again where too few were in motion.
 const KILLS: u32 = 5;
 const ROUNDS: u32 = 5;
+/// From one look at what a host has done to the next.
+const LOOK: Duration = Duration::from_millis(2);
 /// A step of the slew rate, rounded at both ends.
 const ROUNDING: f32 = 2.0;
 
@@ -78,16 +80,24 @@ impl Driven {
     }
 
     /// Kills its host some time after it has begun; whether the device was in motion.
-    pub fn kill(&self, arguments: &[&str], after: Duration) -> bool {
+    fn kill(&self, arguments: &[&str], after: Duration) -> bool {
+        let begun = Instant::now();
+        self.kill_once(arguments, || begun.elapsed() >= after)
+    }
+
+    /// The same once something is so, if its host has not ended before.
+    pub fn kill_once(&self, arguments: &[&str], is_so: impl Fn() -> bool) -> bool {
         let mut host = begun(arguments);
-        std::thread::sleep(after);
+        while !is_so() && host.try_wait().unwrap().is_none() {
+            std::thread::sleep(LOOK);
+        }
         // One that has ended is none to be killed.
         let _ = host.kill();
         let killed = !host.wait().unwrap().success();
         let moved = killed && !self.rests();
         piezo().args(["info", "--port", &self.port()]).assert().success();
         std::thread::sleep(LEASE);
-        let what = format!("{}, killed after {after:?}", arguments[0]);
+        let what = arguments[0];
         assert!(self.rests(), "{what}: the output is at {}", self.output.last.load(SeqCst));
         let DriveCalibration { gain_codes_per_v, limits, .. } = self.drive;
         let most = gain_codes_per_v.abs() * limits.slew_v_per_s * 0.0005 + ROUNDING;
