@@ -121,14 +121,12 @@ fn what_is_said_names_the_start_and_where_it_is_not_to_be_believed() {
     assert!(in_nanometres.contains("-92000 µm at 24 s, -91") && in_nanometres.contains(asked), "{in_nanometres}");
     assert!(said(&["--zero-at", "0.005:-92"]).contains("is too soon after the start for a zero"));
     refused(&["estimate", TABLE, text(&monitor), "--out", text(&monitor)], &["monitor.csv"]);
-    let estimate = ["estimate", TABLE, text(&monitor), "--voltage-scale", "20", "--force"];
+    // Within the limits, and by no memory at that voltage.
+    assert!(said(&["--start-at", "-68"]).contains("at the first sample the model is at -70.3"));
+    assert!(!said(&["--start-at", "-92"]).contains("at the first sample the model is at"));
+    let estimate = ["estimate", TABLE, text(&monitor), "--voltage-scale", "20", "--out", text(&out)];
     let of = |more: &[&str], parts: &[&str]| refused(&[&estimate[..], more].concat(), parts);
     of(&["--start-at", "0"], &["a start at 0 µm is none of this table's", " to -6"]);
-    // Within the limits, and by no memory at that voltage.
-    of(
-        &["--start-at", "-68"],
-        &["a start at -68 µm is none of this table's at the first sample's voltage, where the nearest is at -70.3"],
-    );
     of(&["--zero-at", "99:-92"], &["the zero, 99 s, must lie after 0.000 s", "34.995 s"]);
     of(&["--zero-at", "24"], &["as 24:-91.5"]);
     of(&["--zero-at", "24:-92", "--start-at", "-92"], &["cannot be used with"]);

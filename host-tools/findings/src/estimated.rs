@@ -50,6 +50,13 @@ pub fn estimated(estimates: &Estimates, known: &Known, table_v: Range<f64>, scal
         }
         (Known::Start(_), false) => format!("    ± {:.3} µm on average since the first sample, 95 % of the time", mean()),
     });
+    if let Some(starts_um) = estimates.starts_um {
+        lines.push(format!(
+            "    at the first sample the model is at {:.3} µm: none of its memories at that voltage is where it was said to start, and what is \
+             beyond is lost. Has the sensor another zero than in the training? --zero-at <S>:<UM> takes any",
+            Micrometres(starts_um)
+        ));
+    }
     if estimates.zero.is_some_and(|zero| far(estimates, zero)) {
         lines.push(
             "    that is further off than the log moves in all: is it in µm, and by the sensor's zero in the training?"
@@ -110,5 +117,5 @@ pub fn estimated_json(estimates: &Estimates, table_v: Range<f64>, scale: f64) ->
         let name: String = bit.iter_names().map(|(name, _)| name).collect();
         json!({ "status": name, "percent": percent, "first_s": first_s })
     });
-    json!({ "log": estimates.log, "estimates": estimates.instants.len(), "left_out": estimates.left_out, "raised": raised.collect::<Vec<_>>(), "asked": scale_asked(estimates, table_v, scale) })
+    json!({ "log": estimates.log, "estimates": estimates.instants.len(), "left_out": estimates.left_out, "starts_um": estimates.starts_um, "raised": raised.collect::<Vec<_>>(), "asked": scale_asked(estimates, table_v, scale) })
 }

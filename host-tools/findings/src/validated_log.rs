@@ -115,7 +115,7 @@ pub fn of_log(
                 .to_owned(),
         );
     }
-    let since = if comparison.zeroed_um.is_some() { "since the zero" } else { "since the first reading" };
+    let since = if comparison.zeroed_um.is_some() { "told nothing, since the zero" } else { "since the first reading" };
     let intervals = [(since, &comparison.interval), ("told one cycle", &comparison.interval_one_cycle)];
     said.extend(intervals.into_iter().filter_map(|(since, interval)| Some(held(since, interval.as_ref()?))));
     said.push(format!("f32 differs from f64 by at most {:.2e} µm", comparison.mil_sil_um));

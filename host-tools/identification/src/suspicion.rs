@@ -136,9 +136,9 @@ fn worse(whole_um: f64, judged_um: f64, stroke_um: f64) -> Option<Doubt> {
 
 /// A straight line that does as well as a candidate.
 pub(crate) fn no_better(candidate: &Candidate, line: &Baseline) -> Option<Doubt> {
-    let figures = candidate.held_out_figures().zip(line.held_out);
-    let (of, line) = figures.or(candidate.training_figures().map(|of| (of, line.training)))?;
-    let (error_um, line_um) = (of.mae_without_offset_um, line.mae_without_offset_um);
+    let held_out = candidate.held_out_off_um().zip(line.held_out);
+    let (error_um, line) = held_out.or(candidate.training_off_um().map(|of| (of, line.training)))?;
+    let line_um = line.mae_without_offset_um;
     (error_um > BETTER * line_um).then_some(Doubt::NoBetterThanLine { error_um, line_um })
 }
 

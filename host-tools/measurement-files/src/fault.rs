@@ -53,7 +53,7 @@ pub enum Fault {
         /// The field's text.
         value: String,
     },
-    /// A field is NaN or infinite.
+    /// A field is NaN, infinite, or an instrument's overload.
     NotFinite {
         /// Index among the columns asked for.
         column: usize,

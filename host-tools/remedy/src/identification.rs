@@ -28,7 +28,7 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
         return match of {
             UnmeasuredError::Prepare(inner) => super::log::told(inner),
             UnmeasuredError::Zero(inner) => Some(scope(inner)),
-            UnmeasuredError::Start { .. } | UnmeasuredError::Memory { .. } => Some(format!(
+            UnmeasuredError::Start { .. } => Some(format!(
                 "{of}: state it by that zero, or with --zero-at <S>:<UM> where it is known at a later time"
             )),
         };

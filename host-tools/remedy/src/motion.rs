@@ -7,7 +7,8 @@ use std::path::Path;
 pub fn of_an_estimate(path: &Path) -> String {
     format!(
         "{}: its displacement is what a device has estimated, errors and all, and not what was wanted: of a log of `piezo follow`, \
-         --columns displacement=wanted_um takes that",
+         --columns displacement=wanted_um takes that; \
+         of any other log, --columns displacement=<NAME> the column that is meant",
         path.display()
     )
 }

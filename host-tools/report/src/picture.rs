@@ -82,7 +82,7 @@ mod tests {
                 status: Status::empty(),
                 scored: time_s > 0.9,
             });
-            Estimates { log: "a".to_owned(), instants: rows.collect(), zero: None, left_out: 0 }
+            Estimates { log: "a".to_owned(), instants: rows.collect(), zero: None, starts_um: None, left_out: 0 }
         };
         let drawn = |half_width, learnt| {
             let zeroed = Zeroed { at_s: 0.9, estimates: instants(half_width), learnt };

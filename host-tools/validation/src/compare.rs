@@ -56,17 +56,20 @@ pub struct Comparison {
     pub trace: Trace,
 }
 
-/// So much less, of the error without offset told the first reading, is that told nothing where the sensor's zero is
-/// another's.
+/// Part of the error told the first reading, both without their offsets, that the error told nothing has at most where
+/// the sensor's zero is another.
 const LESS: f64 = 0.9;
 
 impl Comparison {
-    /// Errors whose offset is left aside: told the first reading, or told nothing where that is clearly less. A log may
-    /// begin amid a motion; or at rest, by a sensor whose zero is not that of the training, and the first reading is
-    /// then a memory that the actuator does not have, and that its first swing wipes out.
+    /// Errors whose offset is left aside: told the first reading; or told nothing, where that is clearly less and most
+    /// of it was a constant. A log may begin amid a motion; or at rest, by a sensor whose zero is not that of the
+    /// training, and the first reading is then a memory that the actuator does not have, and that its first swing
+    /// wipes out.
     pub fn from_its_start(&self) -> &Figures {
         let Self { mil, told: ToldFigures { nothing, .. }, .. } = self;
-        if nothing.rmse_without_offset_um < LESS * mil.rmse_without_offset_um { nothing } else { mil }
+        let less = nothing.rmse_without_offset_um < LESS * mil.rmse_without_offset_um;
+        let shifted = nothing.offset_um.abs() > nothing.rmse_without_offset_um;
+        if less && shifted { nothing } else { mil }
     }
 }
 

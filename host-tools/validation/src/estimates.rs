@@ -46,6 +46,9 @@ pub struct Estimates {
     pub instants: Vec<Instant>,
     /// The zero that was taken at a time, where one was ([`Known::Zero`]).
     pub zero: Option<Zero>,
+    /// Where the model is at the first sample's voltage, µm with the sensor's zero, where that is not where it was said
+    /// to start ([`Known::Start`]).
+    pub starts_um: Option<f64>,
     /// How many instants are not among them, for the log has no voltage there ([`Log::holes`]).
     pub left_out: usize,
 }
@@ -120,17 +123,6 @@ pub enum UnmeasuredError {
         /// The table's largest.
         max_um: f64,
     },
-    /// No memory of the model is where it is said to have started, at the voltage of that sample.
-    #[error(
-        "a start at {start_um} µm is none of this table's at the first sample's voltage, where the nearest is at {nearest_um:.3} µm by the training \
-         sensor's zero"
-    )]
-    Memory {
-        /// What was said.
-        start_um: f64,
-        /// What is nearest to it.
-        nearest_um: f64,
-    },
     /// The log has nothing at the zero's time.
     #[error(transparent)]
     Zero(#[from] ScopeError),
@@ -148,7 +140,7 @@ pub fn unmeasured(table: &Admitted, log: Log, recipe: &Recipe, known: Known) -> 
     Ok(everywhere(table, log, recipe, known)?.without(&holes))
 }
 
-/// Of the limits: a reading and a model may be off by so much, and a start further away is none of the table.
+/// Of the limits: a reading and a model may be off by so much, and a start further away is worth a word.
 const FAR: f64 = 0.01;
 
 /// Where the model is at a session's first voltage, told that it starts at a displacement (µm, relative to its zero).
@@ -176,11 +168,10 @@ fn everywhere(table: &Admitted, log: Log, recipe: &Recipe, known: Known) -> Resu
                 let ends = Range::of_values([limits.min, limits.max].map(|um| in_file(&recipe, um)));
                 return Err(UnmeasuredError::Start { start_um, min_um: ends.min, max_um: ends.max });
             }
-            let nearest = started(table, &session, start);
-            if (start - nearest).abs() > FAR * limits.span() {
-                return Err(UnmeasuredError::Memory { start_um, nearest_um: in_file(&recipe, nearest) });
-            }
-            Ok(Estimates::of(&session, &recipe, &run(Some(start), None)))
+            let model = started(table, &session, start);
+            let elsewhere = (start - model).abs() > FAR * limits.span();
+            let starts_um = elsewhere.then(|| in_file(&recipe, model));
+            Ok(Estimates { starts_um, ..Estimates::of(&session, &recipe, &run(Some(start), None)) })
         }
         Known::Zero { at_s, um } => {
             let part = Scope { zero_at_s: Some(at_s), ..Scope::ALL }.part(&session)?;
@@ -217,7 +208,7 @@ impl Estimates {
             status: run.status[k],
             scored: false,
         });
-        Self { log: session.name.clone(), instants: instants.collect(), zero: None, left_out: 0 }
+        Self { log: session.name.clone(), instants: instants.collect(), zero: None, starts_um: None, left_out: 0 }
     }
 
     /// The same without the instants that lie in these times (s since the log's first sample).
@@ -231,7 +222,13 @@ impl Estimates {
         let first_behind = |zero: Zero| self.instants.iter().take(zero.instant).filter(|row| has(row)).count();
         let zero = self.zero.map(|zero| Zero { instant: first_behind(zero), ..zero });
         let instants: Vec<Instant> = self.instants.iter().filter(|row| has(row)).copied().collect();
-        Self { zero, left_out: self.instants.len() - instants.len(), instants, log: self.log }
+        Self {
+            zero,
+            starts_um: self.starts_um,
+            left_out: self.instants.len() - instants.len(),
+            instants,
+            log: self.log,
+        }
     }
 
     /// How often each status bit was raised.
@@ -280,7 +277,13 @@ mod tests {
             status: Status::NOT_SETTLED | Status::CLAMPED,
             scored: true,
         };
-        let of = |instant| Estimates { log: "a, \"b\"".to_owned(), instants: vec![instant], zero: None, left_out: 0 };
+        let of = |instant| Estimates {
+            log: "a, \"b\"".to_owned(),
+            instants: vec![instant],
+            zero: None,
+            starts_um: None,
+            left_out: 0,
+        };
         let estimates = of(instant);
         let expected = "0.005000,1.000000,-120.000000,-119.500000,0.250000,CLAMPED|NOT_SETTLED,1,\"a, \"\"b\"\"\"\n";
         assert_eq!(estimates.csv(), expected);

@@ -43,7 +43,8 @@ impl LogOptions {
     /// Reads what is wanted: time and displacement, without a voltage.
     pub fn read_trajectory(&self, path: &Path) -> Result<Log> {
         let log = self.read_by(path, &ReadOptions { voltage_required: false, ..self.options() })?;
-        ensure!(self.columns.is_some() || !log.displacement_estimated, remedy::of_an_estimate(path));
+        let stated = self.columns.as_ref().is_some_and(Columns::state_displacement);
+        ensure!(stated || !log.displacement_estimated, remedy::of_an_estimate(path));
         Ok(log)
     }
 

@@ -43,6 +43,11 @@ pub enum Position {
 }
 
 impl Columns {
+    /// Whether they say which column the displacement is.
+    pub fn state_displacement(&self) -> bool {
+        self.displacement.is_some()
+    }
+
     /// Each stated quantity with its column.
     pub(super) fn stated(&self) -> impl Iterator<Item = (Quantity, &Column)> {
         [

@@ -197,7 +197,7 @@ pub enum Fault {
         /// The field's text.
         value: String,
     },
-    /// NaN or infinity.
+    /// NaN, infinity, or an instrument's overload.
     #[error("the {quantity} is not finite ({value}): remove the recording's invalid part, or record again")]
     NotFinite {
         /// Which quantity it is of.
