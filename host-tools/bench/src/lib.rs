@@ -19,6 +19,7 @@ mod driven;
 mod emulated;
 mod error;
 pub mod followed;
+mod foreseen;
 mod install;
 mod loan;
 mod log;
@@ -44,6 +45,7 @@ pub use described::{beyond_training, called, caveats, describe, held, time, titl
 pub use driven::Driven;
 pub use emulated::{EMULATED, emulated};
 pub use error::BenchError;
+pub use foreseen::{Foreseen, Reached};
 pub use install::{converters_fit, for_board, install, refusals, rehearsal};
 pub use loan::{FORMER, rest};
 pub use other_range::OtherRange;

@@ -6,8 +6,8 @@ use crate::option::link::{PortOption, careful};
 use crate::option::{LogOptions, Overwrite, not_negative};
 use ::feedforward::Trajectory;
 use anyhow::{Context, Result, bail};
-use bench::followed::{Following, Foreseen, Met, Reached, late};
-use bench::{beyond_training, caveats, require_model, rest};
+use bench::followed::{Following, Met, late, told};
+use bench::{Foreseen, Reached, beyond_training, caveats, require_model, rest};
 use clap::Args;
 use device_link::busy::{Busy, idle};
 use device_link::interrupt::Interrupt;
@@ -165,7 +165,7 @@ fn tell(
         return Ok(good);
     }
     if met.is_some() || followed.stopped.is_empty() {
-        out(&foreseen.told(followed.ticks, met));
+        out(&told(foreseen, followed.ticks, met));
     }
     if let Some(path) = written {
         out(&path.display().to_string());
