@@ -1,10 +1,9 @@
 //! `learn` is killed in any of its parts: what it leaves is at rest, has a table that somebody knows, and is gone on
 //! with by what the program then says.
 
-use super::killed_driving::{Driven, rows};
-use super::severed::TABLE as DUHEM;
-use super::{piezo, root, text};
-use ::bench::{EMULATED, FORMER, Wiring, emulated, for_board, session};
+use super::killed_driving::{Before, Driven, rows};
+use super::{piezo, text};
+use ::bench::{FORMER, emulated, for_board, session};
 use device_link::table::to_record;
 use link_attacks::ticks_on;
 use plants::{Density, Kind};
@@ -59,27 +58,21 @@ fn says_how_to_go_on(out: &Path, learn: &[&str]) {
 
 #[test]
 fn a_killed_learn_rests_with_a_table_that_somebody_knows_and_says_how_to_go_on() {
-    let boards = tempfile::tempdir().unwrap();
-    let board = boards.path().join("board.toml");
-    fs::write(&board, EMULATED.to_toml()).unwrap();
-    let wiring = Wiring::new(&EMULATED, 500).unwrap();
-    let line = to_record(wiring.line());
-    let (_, table, _) = for_board(&root().join(DUHEM), &board).unwrap();
-    let old = to_record(&table);
+    let Before { board, wiring, line, old, .. } = &Before::new();
     // Whether it was killed in the part.
     let killed = |seen: Seen| {
-        let plant = emulated(&wiring, Kind::Relays(Density::Gaussian), 2).connected();
-        let driven = Driven::new(wiring.drive(), &old, plant, 4.0);
+        let plant = emulated(wiring, Kind::Relays(Density::Gaussian), 2).connected();
+        let driven = Driven::new(wiring.drive(), old, plant, 4.0);
         let (out, port) = (driven.path("out"), driven.port());
-        let learn = ["learn", "--out", text(&out), "--board", text(&board), "--port", &port];
+        let learn = ["learn", "--out", text(&out), "--board", text(board), "--port", &port];
         let short = ["--minutes", "0.7", "--up-to", "20", "--proof-seconds", "20"];
         let search = ["--", "--model", "prandtl-ishlinskii", "--evaluations", "4", "--devices", "2"];
         let learn = [&learn[..], &short, &search].concat();
         let since = std::cell::OnceCell::new();
         driven.kill_once(&learn, || seen(&out) && since.get_or_init(Instant::now).elapsed() >= AFTER);
-        let logs = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().path());
+        let logs = fs::read_dir(&out).into_iter().flatten().map(|entry| entry.unwrap().path());
         logs.filter(|path| path.extension().is_some_and(|of| of == "csv")).for_each(|log| _ = rows(&log));
-        known(&driven, &out, &board, [&old, &line]);
+        known(&driven, &out, board, [old, line]);
         says_how_to_go_on(&out, &learn);
         since.get().is_some()
     };

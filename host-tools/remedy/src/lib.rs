@@ -27,8 +27,8 @@ pub use findings::{
 };
 pub use identification::{ENDS, mismatch, of_no_unit};
 pub use learnable::{Learnable, all_learnable, learnable};
-pub use log::{cut_short, kept};
-pub use motion::{moving, of_an_estimate};
+pub use log::{cut_short, kept, of_an_estimate};
+pub use motion::moving;
 pub use outcome_json::outcome_json;
 pub use paste::{learn_from, quoted};
 pub use proof::{follow_interrupted, narrow, other_range, proof, proof_interrupted, proof_kept, zero_lost};

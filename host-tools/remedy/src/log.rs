@@ -183,3 +183,13 @@ pub fn kept(path: &Path) -> String {
         path.display()
     )
 }
+
+/// What is to be said of a trajectory whose displacement nobody wanted, but some device has estimated.
+pub fn of_an_estimate(path: &Path) -> String {
+    format!(
+        "{}: its displacement is what a device has estimated, errors and all, and not what was wanted: of a log of `piezo follow`, \
+         --columns displacement=wanted_um takes that; of any \
+         other log, --columns displacement=<NAME> the column that is meant",
+        path.display()
+    )
+}

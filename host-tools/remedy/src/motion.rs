@@ -1,17 +1,6 @@
-//! What a zero is worth that is told while the voltage moves, and a trajectory that is made of estimates.
+//! What a zero is worth that is told while the voltage moves.
 
 use device_link::motion::{LOOKED_S, Motion};
-use std::path::Path;
-
-/// What is to be said of a trajectory whose displacement nobody wanted, but some device has estimated.
-pub fn of_an_estimate(path: &Path) -> String {
-    format!(
-        "{}: its displacement is what a device has estimated, errors and all, and not what was wanted: of a log of `piezo follow`, \
-         --columns displacement=wanted_um takes that; \
-         of any other log, --columns displacement=<NAME> the column that is meant",
-        path.display()
-    )
-}
 
 /// What is to be said of a displacement that was called `at_um`, µm, while the voltage moved; `None` where it stood.
 pub fn moving(motion: &Motion, at_um: f64) -> Option<String> {

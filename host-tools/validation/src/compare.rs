@@ -12,6 +12,10 @@ use estimator_core::{Admitted, Status};
 use recordings::session::Session;
 use serde::Serialize;
 
+/// Part of the error told the first reading, both without their offsets, that the error told nothing has at most where
+/// the sensor's zero is another.
+const LESS: f64 = 0.9;
+
 /// The f32 core as a device starts: without the sensor's first reading, from rest at the first voltage.
 #[derive(Clone, PartialEq, Debug, Serialize)]
 pub struct Cold {
@@ -56,15 +60,10 @@ pub struct Comparison {
     pub trace: Trace,
 }
 
-/// Part of the error told the first reading, both without their offsets, that the error told nothing has at most where
-/// the sensor's zero is another.
-const LESS: f64 = 0.9;
-
 impl Comparison {
     /// Errors whose offset is left aside: told the first reading; or told nothing, where that is clearly less and most
     /// of it was a constant. A log may begin amid a motion; or at rest, by a sensor whose zero is not that of the
-    /// training, and the first reading is then a memory that the actuator does not have, and that its first swing
-    /// wipes out.
+    /// training, and the first reading is then a memory that the actuator does not have and that its first swing ends.
     pub fn from_its_start(&self) -> &Figures {
         let Self { mil, told: ToldFigures { nothing, .. }, .. } = self;
         let less = nothing.rmse_without_offset_um < LESS * mil.rmse_without_offset_um;

@@ -11,6 +11,9 @@ use recordings::prepare::{PrepareError, Recipe};
 use recordings::session::Session;
 use std::fmt::Write;
 
+/// Of the limits: a reading and a model may be off by so much, and a start further away is worth a word.
+const FAR: f64 = 0.01;
+
 /// An estimate, beside the sensor where there is one.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Instant {
@@ -140,9 +143,6 @@ pub fn unmeasured(table: &Admitted, log: Log, recipe: &Recipe, known: Known) -> 
     Ok(everywhere(table, log, recipe, known)?.without(&holes))
 }
 
-/// Of the limits: a reading and a model may be off by so much, and a start further away is worth a word.
-const FAR: f64 = 0.01;
-
 /// Where the model is at a session's first voltage, told that it starts at a displacement (µm, relative to its zero).
 fn started(table: &Admitted, session: &Session, start: f64) -> f64 {
     let mut estimator = Estimator::<f64>::new(table);
@@ -222,13 +222,7 @@ impl Estimates {
         let first_behind = |zero: Zero| self.instants.iter().take(zero.instant).filter(|row| has(row)).count();
         let zero = self.zero.map(|zero| Zero { instant: first_behind(zero), ..zero });
         let instants: Vec<Instant> = self.instants.iter().filter(|row| has(row)).copied().collect();
-        Self {
-            zero,
-            starts_um: self.starts_um,
-            left_out: self.instants.len() - instants.len(),
-            instants,
-            log: self.log,
-        }
+        Self { zero, left_out: self.instants.len() - instants.len(), instants, ..self }
     }
 
     /// How often each status bit was raised.
