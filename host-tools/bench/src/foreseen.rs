@@ -59,7 +59,7 @@ impl Foreseen {
         let before = begins.saturating_sub(ahead);
         let last = limited(before..moment.saturating_sub(ahead)).next_back();
         // Of a trajectory that is over before its speed is come to all counts.
-        let uncounted = last.map_or(0, |tick| tick + ahead + 1 - begins).min(trajectory.0.len());
+        let uncounted = last.map_or(0, |tick| tick + ahead + 1 - begins);
         let uncounted = if begins + uncounted < end { uncounted } else { 0 };
         let counts = begins + uncounted;
         let uncounted_off_um = plan.off(begins..counts);

@@ -43,8 +43,8 @@ pub struct Column {
 
 impl Table<'_> {
     /// Hands each row's values of the columns `wanted` (indices into [`Table::columns`]) to `visit`, to the file's end.
-    /// With `holes`, a value that is no finite number, or is an instrument's overload, is NaN where another value of its
-    /// row is one that was read.
+    /// With `holes`, a value that is no finite number, or is an instrument's overload, is NaN where another value of
+    /// its row is one that was read.
     ///
     /// # Errors
     /// The first row that is none, with its place.
