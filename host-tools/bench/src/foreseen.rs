@@ -1,5 +1,5 @@
-//! What comes of a trajectory, before a device follows it: the way there from rest, what a limit keeps out of reach, and
-//! what does not count because it begins at a speed.
+//! What comes of a trajectory, before a device follows it: the way there from rest, what a limit keeps out of reach,
+//! and what does not count because it begins at a speed.
 
 use crate::waveform::{WaveformError, begins_in_reach};
 use device_link::streamed::Streamed;
