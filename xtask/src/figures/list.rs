@@ -125,8 +125,8 @@ fn intervals(printed: &Printed<'_>) -> Result<Content> {
         ensure!(holds >= 90.0, "{name}: the interval holds the sensor {holds:.1} % of the time, and must 90 %");
         Ok(vec![
             name.to_owned(),
-            fixed(number(log, "/sil/mae_um")?, 3),
-            fixed(number(log, "/sil/rmse_without_offset_um")?, 3),
+            fixed(number(log, "/told/nothing/mae_um")?, 3),
+            fixed(number(log, "/told/nothing/rmse_without_offset_um")?, 3),
             fixed(number(log, "/interval/half_width_um")?, 3),
             fixed(holds, 1),
             fixed(number(log, "/interval/best_constant_um")?, 3),
