@@ -8,7 +8,7 @@ use calibration::{Assumed, CalibrationOptions};
 use estimator_core::{DuhemCondition, Range, Status};
 use identification::validate::{Raised, compare};
 use identification::{Candidate, Converter, Doubt, FEW_REVERSALS, Outcome};
-use log_survey::{Ahead, Implausible};
+use log_survey::{Ahead, Implausible, OtherScale};
 use recordings::session::Session;
 use serde_json::{Value, json};
 
@@ -118,12 +118,15 @@ pub fn doubt(doubt: &Doubt) -> String {
                  noise (--deadband) or a longer tick (--tick-us)"
             )
         }
-        Doubt::BeyondTraining { log } => {
-            format!(
-                "{log} has voltages beyond the training logs: there the estimate holds the nearest known voltage; \
-                 train on logs that reach as far"
-            )
-        }
+        Doubt::OtherScale(of) => other_scale(of),
+        Doubt::BeyondTraining { log, reaches, trained } => format!(
+            "the voltage of {log} goes over {} … {} V, beyond the {} … {} V of the training logs: there the estimate holds the nearest \
+             known voltage; train on logs that reach as far",
+            short(reaches.min),
+            short(reaches.max),
+            short(trained.min),
+            short(trained.max)
+        ),
         Doubt::Untrained { log, percent, first_s } => format!(
             "on {log} {}; learn from logs with swings such as these, too",
             remarks(&[Raised { bit: Status::UNTRAINED, percent: *percent, first_s: *first_s }])
@@ -209,6 +212,17 @@ pub fn runs_ahead(Ahead { percent, loops }: &Ahead) -> String {
     format!(
         "the displacement runs ahead of the voltage, by {percent:.1} % of its way on the {loops} slowest loops, as no actuator's does: are \
          the two columns exchanged?"
+    )
+}
+
+/// What the other scale of a log may be.
+fn other_scale(OtherScale { log, um_per_v, others_um_per_v }: &OtherScale) -> String {
+    format!(
+        "{log} moves {} µm a volt and the other logs {} µm, which is not one actuator: is its voltage in other volts than theirs (the \
+         actuator's beside a monitor's), or its sensor's scale another? Options such as --voltage-scale hold for all logs: bring its column \
+         to theirs, or leave the log out",
+        short(*um_per_v),
+        short(*others_um_per_v)
     )
 }
 
@@ -312,7 +326,12 @@ mod tests {
             Doubt::AtBound { gene: "delay", value: 15.0 },
             Doubt::Drift { log: "h".into(), offset_um: -0.2 },
             Doubt::SinglePrecision { difference_um: 0.1 },
-            Doubt::BeyondTraining { log: "b".into() },
+            Doubt::BeyondTraining {
+                log: "b".into(),
+                reaches: Range { min: -1.0, max: 140.0 },
+                trained: Range { min: 0.0, max: 100.0 },
+            },
+            Doubt::OtherScale(OtherScale { log: "c".into(), um_per_v: 0.006, others_um_per_v: 0.12 }),
             Doubt::NoisyVoltage { reversals: 900, large: 20 },
             Doubt::NoBetterThanLine { error_um: 0.2179, line_um: 0.2153 },
             Doubt::WideInterval { half_um: 2.887, percent: 22.0 },

@@ -2,7 +2,7 @@
 
 use calibration::Assumed;
 use estimator_core::{DuhemCondition, Range};
-use log_survey::{Ahead, Flaw, Implausible};
+use log_survey::{Ahead, Flaw, Implausible, OtherScale};
 use serde::Serialize;
 
 /// A reason not to trust a result.
@@ -22,6 +22,8 @@ pub enum Doubt {
         #[serde(flatten)]
         by: Ahead,
     },
+    /// A log moves much further a volt than the others, or much less far.
+    OtherScale(OtherScale),
     /// A searched coordinate ended at an end of its range.
     AtBound {
         /// Name of the coordinate.
@@ -121,6 +123,10 @@ pub enum Doubt {
     BeyondTraining {
         /// Name of the log.
         log: String,
+        /// Where its voltage goes, V.
+        reaches: Range<f64>,
+        /// Where that of the training goes, V.
+        trained: Range<f64>,
     },
     /// On a held-out log the voltage goes as it never went in the training.
     Untrained {
@@ -190,7 +196,7 @@ impl Doubt {
             // What is no measurement may be the cause of every other doubt.
             Self::EstimatedDisplacement { .. } => 0,
             Self::Flawed { worst, left_out: false, .. } if worst.repairable() => 0,
-            Self::ImplausibleStroke(_) | Self::RunsAhead { .. } => 1,
+            Self::OtherScale(_) | Self::ImplausibleStroke(_) | Self::RunsAhead { .. } => 1,
             Self::Diverges { .. }
             | Self::PoorFit { .. }
             | Self::LearntWorse { .. }

@@ -18,7 +18,7 @@ use crate::suspicion::{doubts, no_better};
 use crate::validate::Baseline;
 use calibration::CalibrationOptions;
 use estimator_core::{Digest, Model, Range};
-use log_survey::{Character, Flaw, Implausible, ahead, falls, flaws, gravest, repaired, sound};
+use log_survey::{Character, Flaw, Implausible, ahead, falls, flaws, gravest, other_scale, repaired, sound};
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareError, PrepareOptions};
 use recordings::session::Session;
@@ -145,6 +145,9 @@ impl Job {
             session.lead_in = session.instants.partition_point(|&instant| f64::from(instant) * session.tick_s < learnt);
             validation.push(session);
         }
+        // What is held out of a training log has that log's scale.
+        let wholes = validation.iter().filter(|held_out| learnt_from.iter().all(|log| log.name != held_out.name));
+        let other_scale = other_scale(learnt_from.iter().chain(wholes)).map(Doubt::OtherScale).into_iter().collect();
         let held_out: Vec<Log> = held_out.into_iter().chain(rests.into_iter().map(|(_, rest)| rest)).collect();
         Ok(Prepared {
             problem: Problem::new(learnt_from, validation, self.conditions)
@@ -156,7 +159,7 @@ impl Job {
                 seed: self.search.seed,
             },
             logs: [uses(&training, Role::Training), uses(&held_out, Role::HeldOut)].concat(),
-            of_logs: [self.estimates(), self.run_ahead(), self.flawed(&beyond_repair)].concat(),
+            of_logs: [self.estimates(), self.run_ahead(), self.flawed(&beyond_repair), other_scale].concat(),
             of_delay: estimated.and_then(|delay| delay.doubt),
         })
     }

@@ -4,9 +4,10 @@ use crate::candidate::Candidate;
 use crate::cost::{Cost, Norm};
 use crate::doubt::{Converter, Doubt, FEW_REVERSALS};
 use crate::validate::statistics::mean;
-use crate::validate::{Baseline, Figures, Trace};
+use crate::validate::{Baseline, Comparison, Figures, Trace};
 use estimator_core::{AdcCode, DacCode, Parameters, Published, Range};
 use log_survey::Character;
+use std::slice;
 
 /// More reversals than this multiple of the large ones are noise.
 const NOISY: usize = 3;
@@ -92,7 +93,10 @@ pub fn doubts(
     }
     for comparison in &candidate.held_out {
         if comparison.status.contains(estimator_core::Status::VOLTAGE_OUT_OF_RANGE) {
-            doubts.push(Doubt::BeyondTraining { log: comparison.name.clone() });
+            let zero_v = candidate.table.voltage_zero_v.into();
+            let volts = |logs: &[Comparison]| reached(logs, |trace| &trace.voltage, zero_v);
+            let (reaches, trained) = (volts(slice::from_ref(comparison)), volts(&candidate.training));
+            doubts.push(Doubt::BeyondTraining { log: comparison.name.clone(), reaches, trained });
         }
     }
     let at_bound = candidate.fit.genes.iter().filter(|(gene, value)| gene.undetermined(*value));
@@ -157,12 +161,15 @@ fn unmet_condition(parameters: &Parameters) -> Option<Doubt> {
     of.unmet_condition().map(|condition| Doubt::UnmetCondition { condition })
 }
 
+/// What the logs go over, with this zero.
+fn reached(logs: &[Comparison], of: fn(&Trace) -> &[f64], zero: f64) -> Range<f64> {
+    Range::of_values(logs.iter().flat_map(|log| of(&log.trace)).map(|value| value + zero))
+}
+
 /// Converters whose span is narrower than the training logs.
 fn spans(candidate: &Candidate) -> Vec<Doubt> {
     let table = &candidate.table;
-    let needed = |values: fn(&Trace) -> &[f64], zero: f64| {
-        Range::of_values(candidate.training.iter().flat_map(|of| values(&of.trace)).map(|value| value + zero))
-    };
+    let needed = |values, zero| reached(&candidate.training, values, zero);
     let volts = |code| table.adc.voltage::<f64>(AdcCode(code));
     let um = |code| table.dac.displacement::<f64>(DacCode(code));
     let adc = [volts(0), volts(table.adc.full_scale)];

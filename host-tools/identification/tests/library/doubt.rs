@@ -42,6 +42,35 @@ fn exchanged_columns_are_a_grave_doubt_and_no_others_are() {
     assert!(found.len() == 1 && found[0].grave(), "{found:?}");
 }
 
+/// As one in the actuator's volts among those of a monitor; what is held out of a log has that log's scale.
+#[test]
+fn a_log_in_other_volts_is_a_grave_doubt_and_a_smaller_swing_is_none() {
+    let rig = Rig { duration: 5.0, ..Rig::default() };
+    let fast = rig.log(EXCITATIONS[2]);
+    let named = |log: Log, held_out: bool| {
+        let mut job = job(vec![slow(), rig.log(EXCITATIONS[1])], 0.5);
+        if held_out { &mut job.held_out } else { &mut job.training }.push(log);
+        let doubts = job.run(&mut |_, _| ()).unwrap().doubts;
+        let named = doubts.iter().position(|doubt| matches!(doubt, Doubt::OtherScale(of) if of.log == "odd"));
+        assert!(named.is_none_or(|at| at == 0 && doubts[0].grave()), "{doubts:?}");
+        named.is_some()
+    };
+    let scaled = |volts: f64, um: f64| {
+        let Log { voltage, displacement, .. } = fast.clone();
+        let times = |values: Vec<f64>, by: f64| values.into_iter().map(|value| by * value).collect();
+        Log {
+            name: "odd".into(),
+            voltage: times(voltage, volts),
+            displacement: displacement.map(|values| times(values, um)),
+            ..fast.clone()
+        }
+    };
+    for held_out in [false, true] {
+        assert!(named(scaled(20.0, 1.0), held_out) && named(scaled(0.1, 1.0), held_out));
+        assert!(!named(scaled(0.1, 0.06), held_out), "a small swing moves less a volt");
+    }
+}
+
 #[test]
 fn a_single_frequency_is_that_of_what_is_delivered() {
     let Log { mut voltage, displacement: Some(mut displacement), .. } = slow() else {
