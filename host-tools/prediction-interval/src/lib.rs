@@ -23,6 +23,7 @@ use estimator_core::{IntervalParameters, Range};
 use gains::{Gains, Tried};
 use identification::{Candidate, CandidateError, Learnt, Outcome, Problem, SearchOptions, TableContext};
 use late::late_s;
+use log_survey::Character;
 use memory_at_ends::memory_at_ends;
 use rayon::prelude::*;
 use recordings::session::Session;
@@ -75,7 +76,8 @@ pub fn calibrate(
         .collect();
     let own_um = own(candidate);
     (!tried.is_empty()).then(|| {
-        let gains = Gains::of(&tried).at(own_um);
+        let several = !Character::of(problem.training(), problem.deadband).single_amplitude();
+        let gains = Gains::of(&tried, several).at(own_um);
         let parameters = scaled(unscaled(problem, candidate), gains, own_um);
         let [memory, misfit] = [parameters.memory_um[0], parameters.misfit_um].map(f64::from);
         let at_ends = memory_at_ends(problem, &candidate.table, memory, misfit) as f32;
