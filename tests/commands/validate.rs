@@ -112,7 +112,7 @@ fn a_part_is_scored_with_the_log_before_it_as_its_past() {
 fn a_zero_in_the_rest_holds_from_then_on() {
     let folder = tempfile::tempdir().unwrap();
     let (report, rows) = validate(&[OTHER_DAY], &["--zero-at", "22"], &out(&folder));
-    let (_, plain) = validate(&[OTHER_DAY], &[], &out(&folder));
+    let (_, plain) = validate(&[OTHER_DAY], &["--told", "nothing"], &out(&folder));
     // 50 ms are ten readings.
     let at = rows.iter().position(|row| row.time == 22.0).unwrap();
     let before: f64 = plain[at - 9..=at].iter().map(|row| row.estimate - row.sensor).sum::<f64>() / 10.0;
@@ -123,13 +123,14 @@ fn a_zero_in_the_rest_holds_from_then_on() {
         assert_eq!(row.scored, index > at);
     }
     let whole = json(piezo().args(["validate", TABLE, OTHER_DAY, "--from", "22.005", "--json"]));
-    let (zeroed, not) = (number(&report, "/all/sil/mae_um"), number(&whole, "/all/sil/mae_um"));
+    let (zeroed, not) = (number(&report, "/judged/mae_um"), number(&whole, "/all/sil/mae_um"));
     assert!(zeroed < 0.5 * not, "{zeroed} {not}");
+    assert_eq!(zeroed, number(&report, "/logs/0/told/nothing/mae_um"), "before the zero a device is told nothing");
     // The interval is relative to the zero, and holds on this other day.
     let beside = rows.iter().filter(|row| row.scored).map(|row| (row.estimate - row.sensor, row.half_width.unwrap()));
     let (count, held) = beside.fold((0, 0), |(count, held), (e, half)| (count + 1, held + u32::from(e.abs() <= half)));
     let percent = 100.0 * f64::from(held) / f64::from(count);
-    assert!((percent - number(&report, "/logs/0/interval/covered_percent")).abs() < 0.1, "{percent}");
+    assert!((percent - number(&report, "/logs/0/interval/covered_percent")).abs() < 1e-9, "{percent}");
     assert!(percent >= 90.0, "{percent}");
     assert!(number(&report, "/logs/0/interval/half_width_um") < 2.0, "{report}");
 }

@@ -12,13 +12,18 @@ settled          the same from where reversals lie half of the table's voltage r
 one cycle        cold; its mean error over the voltage's first full cycle is taken off, what follows is scored
 no offset        cold; its own mean error over all that is scored is taken off, which no device knows beforehand";
 
+/// Of an interval that holds less often, %, no constant is said to do as well.
+const HALF: f64 = 50.0;
+
 /// How the interval since something was told did.
 pub fn held(since: &str, interval: &Coverage) -> String {
+    let constant =
+        format!(" (the smallest constant that holds as often: {:.3} µm)", Micrometres(interval.best_constant_um));
     format!(
-        "± 95 %, {since}: holds the sensor {:.1} % of the time with {:.3} µm on average (the smallest constant that holds as often: {:.3} µm)",
+        "± 95 %, {since}: holds the sensor {:.1} % of the time with {:.3} µm on average{}",
         interval.covered_percent,
         Micrometres(interval.half_width_um),
-        Micrometres(interval.best_constant_um)
+        if interval.covered_percent < HALF { "" } else { &constant }
     )
 }
 

@@ -98,7 +98,7 @@ pub fn of_log(
     let mut said = Vec::new();
     if *scope != Scope::ALL {
         let (from, to) = comparison.scored_s;
-        let zeroed = comparison.zeroed_um.map_or(String::new(), |um| format!("; SIL was {um:+.4} µm off at the zero"));
+        let zeroed = comparison.zeroed_um.map_or(String::new(), |um| format!("; cold was {um:+.4} µm off at the zero"));
         said.push(format!("scored: {from:.3} … {to:.3} s; the estimator runs from the log's beginning{zeroed}"));
     }
     said.push(match cold.settled_after_s {

@@ -6,7 +6,7 @@ use crate::figures::Figures;
 use crate::raised::{Raised, raised};
 use crate::run::Run;
 use crate::scope::{Part, Scope, ScopeError, time_s};
-use crate::told::{Correction, Told, ToldFigures};
+use crate::told::{Correction, Told, ToldFigures, stroke};
 use crate::trace::Trace;
 use estimator_core::{Admitted, Status};
 use recordings::session::Session;
@@ -50,7 +50,7 @@ pub struct Comparison {
     pub told: ToldFigures,
     /// What is scored, s since the log's first sample.
     pub scored_s: (f64, f64),
-    /// What the f32 core, told the first reading, was off where it was zeroed, µm; `None` where it was not.
+    /// What the f32 core, told nothing, was off where it was zeroed, µm; `None` where it was not.
     pub zeroed_um: Option<f64>,
     /// Every status bit that the f32 core raised, from the log's beginning on.
     pub status: Status,
@@ -115,7 +115,7 @@ fn within(table: &Admitted, session: &Session, part: &Part) -> Comparison {
         } else {
             (time(part.scored.start), time(part.scored.end - 1))
         },
-        zeroed_um: part.zero.as_ref().map(|_| part.zeroed(&single.errors(session))),
+        zeroed_um: part.zero.as_ref().map(|_| part.zeroed(&nothing.errors(session))),
         raised: raised(&single.status, time),
         status: single.status.into_iter().fold(Status::empty(), Status::union),
         trace: Trace {
@@ -137,10 +137,11 @@ fn after_one_cycle(table: &Admitted, session: &Session, part: &Part, nothing: &R
 }
 
 fn cold(session: &Session, part: &Part, run: &Run) -> Cold {
+    let stroke_um = stroke(session, &part.scored);
     let figures = |part: &Part| {
         let correction = Correction::of(Told::Nothing, session, part, run);
         // Only a cycle can be missing.
-        correction.expect("needs no cycle").figures(session, run)
+        correction.expect("needs no cycle").figures(session, run, stroke_um)
     };
     let settled = run.status.iter().position(|status| !status.contains(Status::NOT_SETTLED));
     let scored = settled.map(|from| from.max(part.scored.start)..part.scored.end).filter(|scored| !scored.is_empty());

@@ -2,6 +2,7 @@
 //! sensor has another zero.
 
 use crate::compare::Comparison;
+use crate::coverage::Coverage;
 use crate::scope::Scope;
 use crate::told::Told;
 use estimator_core::Table;
@@ -104,16 +105,27 @@ impl Suspicion {
                 return Some(Self::Constant { offset_um, mae_um, without_um });
             }
         }
-        held(comparison).filter(|&percent| percent < NARROW).map(|held_percent| Self::Narrow { held_percent })
+        let &Comparison { interval, interval_one_cycle, .. } = comparison;
+        let held_percent = asked(told, scope.zero_at_s.is_some(), interval, interval_one_cycle)?.covered_percent;
+        (held_percent < NARROW).then_some(Self::Narrow { held_percent })
     }
 }
 
-/// How often the interval holds the sensor, %, wherever the displacement was told. A sensor that was zeroed anew spoils
-/// the one since the first reading, a transient in the first cycle the other.
-fn held(comparison: &Comparison) -> Option<f64> {
-    comparison.interval_one_cycle.map(|since_cycle| {
-        comparison.interval.map_or(0.0, |since| since.covered_percent).max(since_cycle.covered_percent)
-    })
+/// How the interval did since what was told last; where that is the first reading alone, or nothing, since whichever
+/// is better: without a zero there is nothing that a sensor and a model agree on.
+fn asked(told: Told, zeroed: bool, since: Option<Coverage>, since_cycle: Option<Coverage>) -> Option<Coverage> {
+    match told {
+        Told::OneCycle => since_cycle,
+        Told::Nothing | Told::FirstReading if zeroed => since,
+        _ => better(since, since_cycle),
+    }
+}
+
+/// What holds the sensor more often. One that was zeroed anew spoils the interval since the first reading, a transient
+/// in the first cycle the other.
+fn better(since: Option<Coverage>, since_cycle: Option<Coverage>) -> Option<Coverage> {
+    let since_cycle = since_cycle?;
+    Some(since.filter(|since| since.covered_percent > since_cycle.covered_percent).unwrap_or(since_cycle))
 }
 
 fn evidence(comparison: &Comparison, table: &Table) -> Vec<Evidence> {
@@ -146,7 +158,27 @@ fn evidence(comparison: &Comparison, table: &Table) -> Vec<Evidence> {
         found.push(Evidence::Error { percent: figures.mae_without_offset_percent, training_um });
     }
     found.extend(
-        held(comparison).filter(|&percent| percent < HELD).map(|held_percent| Evidence::Interval { held_percent }),
+        better(comparison.interval, comparison.interval_one_cycle)
+            .map(|best| best.covered_percent)
+            .filter(|&percent| percent < HELD)
+            .map(|held_percent| Evidence::Interval { held_percent }),
     );
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_interval_is_judged_by_what_was_told() {
+        let of = |covered_percent| Some(Coverage { covered_percent, half_width_um: 1.0, best_constant_um: 1.0 });
+        let asked = |told, zeroed, since, since_cycle| {
+            asked(told, zeroed, of(since), of(since_cycle)).map(|of| of.covered_percent)
+        };
+        assert_eq!(asked(Told::OneCycle, false, 97.8, 11.9), Some(11.9));
+        assert_eq!(asked(Told::OneCycle, true, 97.8, 11.9), Some(11.9), "one cycle takes the zero's place");
+        assert_eq!(asked(Told::Nothing, true, 53.6, 82.5), Some(53.6));
+        assert_eq!(asked(Told::FirstReading, false, 0.0, 99.0), Some(99.0), "its sensor may have another zero");
+    }
 }

@@ -36,6 +36,15 @@ pub enum Told {
 }
 
 impl Told {
+    /// What an estimator is told before a zero at a time within the log, where there is one: a device that is zeroed
+    /// while it runs was told no first reading.
+    pub fn before(self, zero_at_s: Option<f64>) -> Self {
+        match (self, zero_at_s) {
+            (Self::FirstReading, Some(_)) => Self::Nothing,
+            (told, _) => told,
+        }
+    }
+
     /// Each, the least first.
     pub const ALL: [Self; 4] = [Self::Nothing, Self::FirstReading, Self::OneCycle, Self::Offset];
 
@@ -118,7 +127,11 @@ impl ToldFigures {
 
     /// Of a run that was told nothing and one that was told the first reading.
     pub(crate) fn of(session: &Session, part: &Part, nothing: &Run, first_reading: &Run) -> Self {
-        let figures = |told: Told, run: &Run| Correction::of(told, session, part, run).map(|c| c.figures(session, run));
+        // Of all that is scored, also where one cycle leaves less of it: every line's percentage is of one stroke.
+        let stroke_um = stroke(session, &part.scored);
+        let figures = |told: Told, run: &Run| {
+            Correction::of(told, session, part, run).map(|correction| correction.figures(session, run, stroke_um))
+        };
         Self {
             // Only a cycle can be missing.
             nothing: figures(Told::Nothing, nothing).expect("needs no cycle"),
@@ -172,10 +185,10 @@ impl Correction {
         Coverage::of(&self.scored.clone().filter_map(beside).collect::<Vec<_>>())
     }
 
-    /// Errors of what is scored.
-    pub fn figures(&self, session: &Session, run: &Run) -> Figures {
+    /// Errors of what is scored, in µm and in parts of this stroke.
+    pub fn figures(&self, session: &Session, run: &Run, stroke_um: f64) -> Figures {
         let estimated: Vec<f64> = self.scored.clone().map(|k| run.estimated[k] - self.at(k)).collect();
-        Figures::of(&estimated, &session.displacement[1..][self.scored.clone()], stroke(session, &self.scored))
+        Figures::of(&estimated, &session.displacement[1..][self.scored.clone()], stroke_um)
     }
 }
 
@@ -255,8 +268,22 @@ mod tests {
         let off = run(&session, |k| if k < 300 { 0.5 } else { 0.75 });
         let correction = Correction::of(Told::Nothing, &session, &part, &off).unwrap();
         assert_eq!((correction.at(198), correction.at(199), correction.at(599)), (0.0, 0.5, 0.5));
-        let figures = correction.figures(&session, &off);
+        let figures = correction.figures(&session, &off, 1.0);
         assert!((figures.max_um - 0.25).abs() < 1e-12 && (figures.mae_um - 0.1875).abs() < 1e-12, "{figures:?}");
+    }
+
+    /// A sine of which less is left after its first cycle than went before.
+    #[test]
+    fn what_follows_one_cycle_is_judged_by_the_stroke_of_all_that_is_scored() {
+        let mut session = session();
+        for (y, &tick) in session.displacement.iter_mut().zip(&session.instants) {
+            *y *= if tick > 2600 { 0.5 } else { 1.0 };
+        }
+        let part = Scope::ALL.part(&session).unwrap();
+        let (nothing, first) = (run(&session, |k| if k < 400 { 0.0 } else { 0.1 }), run(&session, |_| 0.1));
+        let figures = ToldFigures::of(&session, &part, &nothing, &first);
+        let strokes = [figures.nothing, figures.first_reading, figures.one_cycle.unwrap()].map(|of| of.stroke_um);
+        assert!(strokes.iter().all(|&stroke| (stroke - 2.0).abs() < 1e-3), "{strokes:?}");
     }
 
     #[test]

@@ -78,6 +78,7 @@ pub fn run(arguments: &Validate) -> Result<bool> {
     let displacement_scale = arguments.displacement_scale.unwrap_or(file.recipe.displacement_scale);
     let recipe = Recipe { displacement_scale, ..arguments.prepare.instead_of(file.recipe) };
     let scope: Scope = (&arguments.scope).into();
+    let told = arguments.told.before(scope.zero_at_s);
     let logs = arguments.files.read_all(&arguments.logs, arguments.repair)?;
     let (mut comparisons, mut repairs) = (Vec::new(), Vec::new());
     let mut written = String::from(Estimates::HEADING);
@@ -90,7 +91,7 @@ pub fn run(arguments: &Validate) -> Result<bool> {
         repairs.push(arguments.repair.then(|| Repair::of(left_out)));
         let comparison = compare_within(&table, &session, &scope).with_context(named)?;
         // Judged and written is what was told: of one cycle there must be one.
-        let estimates = estimates(&table, &session, &recipe, &scope, arguments.told).with_context(named)?;
+        let estimates = estimates(&table, &session, &recipe, &scope, told).with_context(named)?;
         comparisons.push(comparison);
         if arguments.out.is_some() {
             written.push_str(&estimates.csv());
@@ -98,12 +99,12 @@ pub fn run(arguments: &Validate) -> Result<bool> {
     }
     let trained_on: Vec<_> = logs.iter().map(|log| trained_on(&file.logs, log)).collect();
     // Without its offset it is judged as if it were told that.
-    let told = if arguments.rezero { Told::Offset } else { arguments.told };
-    let suspicions: Vec<_> = comparisons.iter().map(|of| Suspicion::of(of, &table, &scope, told)).collect();
+    let as_if = if arguments.rezero { Told::Offset } else { told };
+    let suspicions: Vec<_> = comparisons.iter().map(|of| Suspicion::of(of, &table, &scope, as_if)).collect();
     let mil = Figures::all(comparisons.iter().map(|c| &c.mil));
-    let told = ToldFigures::all(comparisons.iter().map(|c| &c.told));
-    let (Some(mil), Some(told)) = (mil, told) else { return Ok(false) };
-    let Some(figures) = told.get(arguments.told) else { return Ok(false) };
+    let figures = ToldFigures::all(comparisons.iter().map(|c| &c.told));
+    let (Some(mil), Some(all)) = (mil, figures) else { return Ok(false) };
+    let Some(figures) = all.get(told) else { return Ok(false) };
     let (judged, percent) = match arguments.rezero {
         true => (figures.mae_without_offset_um, figures.mae_without_offset_percent),
         false => (figures.mae_um, figures.mae_percent),
@@ -120,9 +121,8 @@ pub fn run(arguments: &Validate) -> Result<bool> {
                 log_json(of, log, trained_on.as_ref(), found.as_ref(), *repair)
             })
             .collect();
-        let all = json!({ "mil": mil, "sil": told.first_reading, "told": told });
-        let judged =
-            json!({ "told": arguments.told, "rezeroed": arguments.rezero, "mae_um": judged, "percent": percent });
+        let all = json!({ "mil": mil, "sil": all.first_reading, "told": all });
+        let judged = json!({ "told": told, "rezeroed": arguments.rezero, "mae_um": judged, "percent": percent });
         let report = json!({ "logs": logs, "all": all, "judged": judged, "out": arguments.out, "passed": passed });
         out(&serde_json::to_string_pretty(&report)?);
         return Ok(passed);
@@ -140,10 +140,10 @@ pub fn run(arguments: &Validate) -> Result<bool> {
         of_log(comparison, log, trained_on.as_ref(), &scope, *repair).iter().for_each(|line| out(line));
     }
     if comparisons.len() > 1 {
-        rows("all", &mil, &told, None).iter().for_each(|line| out(line));
+        rows("all", &mil, &all, None).iter().for_each(|line| out(line));
     }
     if let Some(path) = &arguments.out {
-        out(&format!("\nWritten: {} (f32, {})", path.display(), arguments.told));
+        out(&format!("\nWritten: {} (f32, {})", path.display(), told));
     }
     for (comparison, found) in comparisons.iter().zip(&suspicions) {
         found.iter().for_each(|found| out(&format!("\n{}: {}", comparison.name, suspicion(found))));
