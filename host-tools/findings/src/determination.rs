@@ -31,6 +31,9 @@ pub fn determination(of: Result<&Determination, &Unknown>) -> Vec<(String, Strin
             Told::Well => by_model,
             Told::Partly => format!("{by_model}; to narrow it, record {record}, or more of it"),
             Told::Slower => format!("not known, no log goes as far that fast: record {record}"),
+            Told::OtherSwings => format!(
+                "{value:.2} µm is what the model extrapolates, for in no log does the voltage swing about as far: record {record}"
+            ),
             Told::Restless => format!(
                 "{value:.2} µm is what the model extrapolates, for in no log does the voltage stand still so long after a step: record {record}"
             ),
@@ -54,6 +57,7 @@ pub fn taught(of: &Determination) -> Vec<(String, String)> {
             Told::Well => known,
             Told::Partly | Told::Not => format!("{known}; longer (--minutes) narrows it"),
             Told::Slower => "not told: nothing goes as far that fast; faster (--up-to) does".to_owned(),
+            Told::OtherSwings => "not told: nothing swings about as far; longer (--minutes) does".to_owned(),
             Told::Restless => "not told: no step is held as long; longer (--minutes) does".to_owned(),
         };
         (words(found.experiment).0, told)
@@ -81,7 +85,7 @@ fn words(experiment: Experiment) -> (String, String) {
             (format!("Width of the full loop, sine of {hz} Hz"), format!("the full range at {hz} Hz"))
         }
         Experiment::Width { part, hz } => (
-            format!("Width of a loop of {:.0} % of the range, {hz} Hz", 100.0 * part),
+            format!("Width of a loop over the lower {:.0} %, {hz} Hz", 100.0 * part),
             format!("swings of {:.0} % of the range", 100.0 * part),
         ),
         Experiment::Creep => {

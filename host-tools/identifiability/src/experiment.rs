@@ -45,6 +45,11 @@ impl Experiment {
         }
     }
 
+    /// How far the voltage of a loop that is smaller than the range goes, V.
+    pub(crate) fn smaller(self, span: f64) -> Option<f64> {
+        self.swing(span).map(|(swing_v, _)| swing_v).filter(|&swing_v| swing_v < span)
+    }
+
     /// How fast a loop's voltage is at most, V/s, over a range of this span; 0 of what is not read off a loop.
     pub(crate) fn steepest(self, span: f64) -> f64 {
         self.swing(span).map_or(0.0, |(swing_v, period_s)| PI * swing_v / period_s)

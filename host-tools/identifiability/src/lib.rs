@@ -34,6 +34,7 @@ pub use experiment::Experiment;
 
 use estimator_core::{Admitted, Range, Table};
 use judged::{Judged, effective, mean_absolute};
+use log_survey::reversals::reversals;
 use nalgebra::{DMatrix, DVector};
 use numbers::{Number, numbers};
 use rayon::prelude::*;
@@ -54,6 +55,8 @@ const OF_STROKE: f64 = 0.005;
 /// A log as fast as an experiment goes at least so far in a quarter of the experiment's period, of its way: a half of
 /// what a sine does.
 const AS_FAR: f64 = 0.35;
+/// A swing shows what one does that goes so many times as far, or as little.
+const ALIKE: f64 = 1.5;
 /// What the logs leave of the standard error that there was before them, at most, where they tell something.
 const LEFT: f64 = 0.1;
 
@@ -106,6 +109,9 @@ pub enum Told {
     /// No log's voltage goes nearly as fast: number and standard error are those of a law that only slower
     /// ones have shown.
     Slower,
+    /// No log's voltage goes about as far from one reversal to the next: number and standard error are those of a law
+    /// that only other swings have shown.
+    OtherSwings,
     /// No log's voltage rests as long behind a move: number and standard error are those of a law that only what is
     /// quicker has shown.
     Restless,
@@ -192,8 +198,13 @@ pub fn determination(table: &Admitted, sessions: &[&Session]) -> Result<Determin
         let slower = experiment.swing(voltages.span()).is_some_and(|(swing_v, period_s)| {
             sessions.iter().all(|session| farthest(session, 0.25 * period_s) < AS_FAR * swing_v)
         });
+        let unlike = experiment
+            .smaller(voltages.span())
+            .is_some_and(|swing_v| sessions.iter().all(|session| !swings_about(session, swing_v)));
         let told = if slower {
             Told::Slower
+        } else if unlike {
+            Told::OtherSwings
         } else if missed.as_deref().is_some_and(<[f64]>::is_empty) {
             Told::Restless
         } else if standard_error_um <= OF_STROKE * stroke {
@@ -239,6 +250,13 @@ fn farthest(session: &Session, seconds: f64) -> f64 {
     let ticks = (seconds / session.tick_s).round().max(1.0) as usize;
     let pairs = session.voltage.iter().zip(session.voltage.iter().skip(ticks));
     pairs.map(|(from, to)| (to - from).abs()).fold(0.0, f64::max)
+}
+
+/// Whether the voltage of a session goes about so far (V) between two reversals.
+fn swings_about(session: &Session, swing_v: f64) -> bool {
+    let turns = reversals(&session.voltage, swing_v / ALIKE);
+    let swing = |pair: &[usize]| (session.voltage[pair[1]] - session.voltage[pair[0]]).abs();
+    turns.windows(2).any(|pair| swing(pair) <= ALIKE * swing_v)
 }
 
 /// The variance of another of some numbers about 0; 0 of none.

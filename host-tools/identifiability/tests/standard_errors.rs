@@ -84,16 +84,21 @@ fn what_was_recorded_is_known_and_what_was_not_is_not() {
     let short = (5.0 / TICK_S) as usize;
     assert_eq!(told_of_creep(&[major.clone(), hold(15.0)[..short].to_vec()].concat()), Told::Restless, "half as long");
     assert_ne!(told_of_creep(&[major.clone(), hold(9.5)].concat()), Told::Restless);
-    let loud = of(&major, 0.3);
-    let told = |experiment| loud.found.iter().find(|found| found.experiment == experiment).unwrap().told;
-    assert_eq!((told(FULL), told(HALF)), (Told::Well, Told::Partly), "{loud:#?}");
-    assert_eq!(told(FAST), Told::Slower, "{loud:#?}");
+    let loops = [major.clone(), sines(0.5, 1.0, 2)].concat();
+    let loud = of(&loops, 1.0);
+    let told =
+        |experiment, of: &Determination| of.found.iter().find(|found| found.experiment == experiment).unwrap().told;
+    assert_eq!((told(FULL, &alone), told(HALF, &loud)), (Told::Well, Told::Partly), "{loud:#?}");
+    assert_eq!(told(FAST, &loud), Told::Slower, "{loud:#?}");
     let fast = of(&[major.clone(), sines(0.5, 10.0, 20)].concat(), 0.02);
     assert!(fast.found.iter().all(|found| found.told != Told::Slower), "half the range is fast enough: {fast:#?}");
+    assert_eq!(told(HALF, &alone), Told::OtherSwings, "a law alone says what smaller loops do");
+    assert_eq!(told(HALF, &with(sines(0.25, 1.0, 2))), Told::OtherSwings, "half as far");
+    assert_eq!(told(HALF, &with(sines(0.4, 1.0, 2))), Told::Well, "about as far");
     let slow = of(&sines(1.0, 0.2, 2), 0.02);
     let of_loops = slow.found.iter().filter(|found| matches!(found.experiment, Experiment::Width { part: 1.0, .. }));
     assert!(of_loops.clone().count() == 2 && of_loops.clone().all(|found| found.told == Told::Slower), "{slow:#?}");
-    let hardly = of(&major, 3.0);
+    let hardly = of(&loops, 3.0);
     assert!(hardly.found.iter().any(|found| found.experiment == HALF && found.told == Told::Not), "{hardly:#?}");
 }
 
