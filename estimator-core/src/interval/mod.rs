@@ -17,6 +17,7 @@
 //! | y, y₀ | the estimate, now and when the displacement was told: sensitivity differs from day to day |
 //! | A | decades of time since the start that have gone by since the displacement was told: creep and drift |
 //!
+//! No estimate and no actuator is taken to be beyond the table's limits, so the estimator gives at most their span.
 //! The numbers come from simulated devices that were driven by the training's own voltages and learnt as the
 //! actuator was (`piezo identify`). 95 % holds over time, averaged over recordings and devices like those; it says
 //! nothing of the absolute displacement, of load, or of temperature beyond drift, and there is none before the

@@ -41,6 +41,19 @@ fn there_is_none_before_a_displacement_is_told_or_too_soon() {
     assert!(estimator.tick_volts(0.0).half_width.is_some());
 }
 
+/// A jump in one tick is many times what the interval's rate is of; no more of it than the limits is open.
+#[test]
+fn it_is_no_wider_than_the_limits() {
+    let table = table(IntervalParameters { rate_ticks: 50.0, ..parameters() }).admit().unwrap();
+    let mut estimator = Estimator::<f64>::new(&table);
+    let Range { min, max } = table.voltage_range_v.of::<f64>();
+    let zero = f64::from(table.voltage_zero_v);
+    estimator.start_at(0.0);
+    let widths = (0..200).map(|tick| estimator.tick_volts(zero + if tick % 100 < 50 { min } else { max }).half_width);
+    let widest = widths.flatten().fold(0.0, f64::max);
+    assert_eq!(widest, table.displacement_limits_um.of::<f64>().span());
+}
+
 /// A voltage that the model does not see leaves it as little known as a start does, beside what was open before.
 #[test]
 fn there_is_none_beyond_the_range_and_a_wider_one_until_swings_have_wiped_that_out() {

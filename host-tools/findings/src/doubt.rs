@@ -90,7 +90,8 @@ pub fn doubt(doubt: &Doubt) -> String {
         ),
         Doubt::SingleFrequency { lag_known: false } => {
             "the training logs have a single frequency: lag and hysteresis cannot be told apart, and at other \
-             frequencies the estimate may be wrong; record several, or a step, or state --lag by a data sheet"
+             frequencies the estimate may be wrong; record a step that is held, too, or several frequencies, or state --lag by a \
+             data sheet"
             .to_owned()
         }
         Doubt::SingleFrequency { lag_known: true } => {
