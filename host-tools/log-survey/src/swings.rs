@@ -11,8 +11,9 @@ use recordings::log::bridge;
 const PART: f64 = 0.02;
 /// A half cycle is larger than so many standard deviations of the noise.
 const DEVIATIONS: f64 = 8.0;
-/// Classes of amplitude, as parts of the largest there can be.
-const AMPLITUDES: usize = 5;
+/// Classes of amplitude have their edges, as parts of the largest there can be, between those that people record at:
+/// tenths, quarters, thirds.
+const PARTS: [f64; 7] = [0.0, 0.15, 0.37, 0.55, 0.72, 0.87, 1.0];
 
 /// The voltage's reversals and half cycles.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -88,12 +89,11 @@ fn turns(blocks: BlocksView<'_>, threshold: f64) -> Vec<(f64, f64)> {
 }
 
 fn amplitude_class(amplitude: f64, range: f64) -> usize {
-    let class = (amplitude / (range / 2.0) * AMPLITUDES as f64).ceil() as usize;
-    class.clamp(1, AMPLITUDES) - 1
+    PARTS[1..PARTS.len() - 1].iter().filter(|part| amplitude > **part * range / 2.0).count()
 }
 
 fn amplitude_edge(class: usize, range: f64) -> f64 {
-    range / 2.0 * class as f64 / AMPLITUDES as f64
+    range / 2.0 * PARTS[class]
 }
 
 /// Classes of frequency have their edges between those that people record at: at 1.4, 4.5, 14, 45, …
@@ -125,6 +125,16 @@ mod tests {
             swings.cells.iter().map(|cell| cell.half_cycles).sum::<usize>()
         };
         assert_eq!(counted(&[]) - counted(&[501]), 1);
+    }
+
+    #[test]
+    fn what_people_record_at_lies_within_a_class_and_not_at_its_edge() {
+        for part in [1.0, 0.9, 0.8, 0.75, 0.67, 0.6, 0.5, 0.4, 0.33, 0.3, 0.25, 0.2, 0.1] {
+            let class = |of: f64| amplitude_class(of * part * 50.0, 100.0);
+            assert_eq!([class(0.975), class(1.025)], [class(1.0); 2], "{part}");
+            let edges = [amplitude_edge(class(1.0), 100.0), amplitude_edge(class(1.0) + 1, 100.0)];
+            assert!(edges[0] < part * 50.0 && part * 50.0 <= edges[1], "{part}: {edges:?}");
+        }
     }
 
     #[test]

@@ -36,8 +36,8 @@ fn amplitudes_and_frequencies_are_found() {
         let fits = |cell: &&Cell| (cell.amplitude_v.0 - low).abs() < 0.5 && cell.frequency_hz.0 == hz;
         survey.swings.cells.iter().find(fits).map_or(0, |cell| cell.half_cycles)
     };
-    assert!(of(10.0, 1.4).abs_diff(20) <= 2, "{:?}", survey.swings);
-    assert!(of(40.0, 14.0).abs_diff(80) <= 2, "{:?}", survey.swings);
+    assert!(of(7.5, 1.4).abs_diff(20) <= 2, "{:?}", survey.swings);
+    assert!(of(43.5, 14.0).abs_diff(80) <= 2, "{:?}", survey.swings);
 }
 
 #[test]
