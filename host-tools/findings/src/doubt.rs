@@ -90,8 +90,8 @@ pub fn doubt(doubt: &Doubt) -> String {
         ),
         Doubt::SingleFrequency { lag_known: false } => {
             "the training logs have a single frequency: lag and hysteresis cannot be told apart, and at other \
-             frequencies the estimate may be wrong; record a step that is held, too, or several frequencies, or state --lag by a \
-             data sheet"
+             frequencies the estimate may be wrong; record a held step besides (readings at most 5 ms apart) or several \
+             frequencies, or state --lag by a data sheet"
             .to_owned()
         }
         Doubt::SingleFrequency { lag_known: true } => {
@@ -121,8 +121,8 @@ pub fn doubt(doubt: &Doubt) -> String {
         }
         Doubt::OtherScale(of) => other_scale(of),
         Doubt::BeyondTraining { log, reaches, trained } => format!(
-            "the voltage of {log} goes over {} … {} V, beyond the {} … {} V of the training logs: there the estimate holds the nearest \
-             known voltage; train on logs that reach as far",
+            "the voltage of {log} goes beyond the training logs (it reads {} … {} V, and they {} … {} V): there the estimate holds the \
+             nearest known voltage; train on logs that reach as far",
             short(reaches.min),
             short(reaches.max),
             short(trained.min),
@@ -217,11 +217,12 @@ pub fn runs_ahead(Ahead { percent, loops }: &Ahead) -> String {
 }
 
 /// What the other scale of a log may be.
-fn other_scale(OtherScale { log, um_per_v, others_um_per_v }: &OtherScale) -> String {
+fn other_scale(OtherScale { log, um_per_v, others_um_per_v, others }: &OtherScale) -> String {
+    let (those, which) = if *others == 1 { ("other log", "one of the two") } else { ("other logs", "it") };
     format!(
-        "{log} moves {} µm a volt and the other logs {} µm, which is not one actuator: is its voltage in other volts than theirs (the \
-         actuator's beside a monitor's), or its sensor's scale another? Options such as --voltage-scale hold for all logs: bring its column \
-         to theirs, or leave the log out",
+        "{log} moves {} µm a volt and the {those} {} µm, which is not one actuator: is {which} in other volts (the actuator's beside a \
+         monitor's), by another sensor's scale, or of another actuator? Options such as --voltage-scale hold for all logs: multiply the \
+         column in its file by the factor between them, or leave the log out",
         short(*um_per_v),
         short(*others_um_per_v)
     )
@@ -332,7 +333,7 @@ mod tests {
                 reaches: Range { min: -1.0, max: 140.0 },
                 trained: Range { min: 0.0, max: 100.0 },
             },
-            Doubt::OtherScale(OtherScale { log: "c".into(), um_per_v: 0.006, others_um_per_v: 0.12 }),
+            Doubt::OtherScale(OtherScale { log: "c".into(), um_per_v: 0.006, others_um_per_v: 0.12, others: 1 }),
             Doubt::NoisyVoltage { reversals: 900, large: 20 },
             Doubt::NoBetterThanLine { error_um: 0.2179, line_um: 0.2153 },
             Doubt::WideInterval { half_um: 2.887, percent: 22.0 },

@@ -139,15 +139,13 @@ impl Job {
         }
         let mut validation: Vec<Session> =
             held_out.iter().map(|log| session(log, &flaws(log))).collect::<Result<_, _>>()?;
+        let other_scale = other_scale(learnt_from.iter().chain(&validation)).map(Doubt::OtherScale);
         for (log, rest) in &rests {
             let mut session = session(log, &flaws(log))?;
             let learnt = rest.start_s - session.start_s;
             session.lead_in = session.instants.partition_point(|&instant| f64::from(instant) * session.tick_s < learnt);
             validation.push(session);
         }
-        // What is held out of a training log has that log's scale.
-        let wholes = validation.iter().filter(|held_out| learnt_from.iter().all(|log| log.name != held_out.name));
-        let other_scale = other_scale(learnt_from.iter().chain(wholes)).map(Doubt::OtherScale).into_iter().collect();
         let held_out: Vec<Log> = held_out.into_iter().chain(rests.into_iter().map(|(_, rest)| rest)).collect();
         Ok(Prepared {
             problem: Problem::new(learnt_from, validation, self.conditions)
@@ -159,7 +157,8 @@ impl Job {
                 seed: self.search.seed,
             },
             logs: [uses(&training, Role::Training), uses(&held_out, Role::HeldOut)].concat(),
-            of_logs: [self.estimates(), self.run_ahead(), self.flawed(&beyond_repair), other_scale].concat(),
+            of_logs: [self.estimates(), self.run_ahead(), self.flawed(&beyond_repair), Vec::from_iter(other_scale)]
+                .concat(),
             of_delay: estimated.and_then(|delay| delay.doubt),
         })
     }
