@@ -74,6 +74,9 @@ pub fn validate(
     let session = table.prepare(log)?.session;
     let scope = Scope { from_s, to_s, zero_at_s };
     let comparison = py.detach(|| compare_within(&table.admitted, &session, &scope)).map_err(refused)?;
-    let figures = comparison.told.get(told).ok_or_else(|| refused(identification::validate::ScopeError::NoCycle))?;
+    let figures = comparison
+        .told
+        .get(told.before(zero_at_s))
+        .ok_or_else(|| refused(identification::validate::ScopeError::NoCycle))?;
     Ok((*figures).into())
 }

@@ -40,6 +40,12 @@ def test_validate_has_the_program_s_figures(told: str) -> None:
     assert len(names) == 9 and {name: getattr(figures, name) for name in names}.items() <= expected.items()
 
 
+def test_before_a_zero_a_device_is_told_nothing() -> None:
+    zeroed = pz.validate(pz.Table.read(TABLE), pz.read_log(LOG), zero_at_s=20.0)
+    report = piezo_json("validate", TABLE, LOG, "--zero-at", "20")
+    assert zeroed.mae_um == report["judged"]["mae_um"] == report["all"]["told"]["nothing"]["mae_um"]
+
+
 def test_control_c_ends_a_search() -> None:
     log = pz.read_log(LOG)
     # A shell has what it starts in the background ignore it, and Python leaves that so.

@@ -244,8 +244,11 @@ fn a_pm_that_holds_the_sensor_too_rarely_is_asked_about() {
     let folder = tempfile::tempdir().unwrap();
     let said = |gain: f64| said_of(&folder, COLUMNS, |[t, v, y]| [t, v, gain * y], &["--told", "one-cycle"]);
     let asked = said(1.06);
-    assert!(asked.contains("day2: the ± holds the sensor 7") && asked.contains("learn from this log, too"), "{asked}");
-    assert!(!said(1.0).contains("the ± holds the sensor"), "as it was measured");
+    assert!(
+        asked.contains("day2: the ±, told one cycle, holds the sensor 7") && asked.contains("learn from this log, too"),
+        "{asked}"
+    );
+    assert!(!said(1.0).contains("learn from this log, too"), "as it was measured");
 }
 
 /// A sensor that gave no number and leapt, in 12 of 7,000 readings.

@@ -1,7 +1,7 @@
 //! What a table's errors on a log are, and whether they say anything of the table, in words.
 
 use crate::micrometres::Micrometres;
-use identification::validate::{Coverage, Evidence, Suspicion};
+use identification::validate::{Coverage, Evidence, Since, Suspicion};
 
 /// What the lines of a validation are.
 pub const EXPLAINED: &str = "\
@@ -41,9 +41,14 @@ pub fn suspicion(suspicion: &Suspicion) -> String {
             Micrometres(*mae_um),
             Micrometres(*without_um)
         ),
-        Suspicion::Narrow { held_percent } => format!(
-            "the ± holds the sensor {held_percent:.1} % of the time, and says 95 % over many recordings: is something else here than in the \
-             training, the load, the temperature, the sensor's mount? If not, learn from this log, too: `piezo identify` takes several"
+        Suspicion::Narrow { since, held_percent } => format!(
+            "the ±{} holds the sensor {held_percent:.1} % of the time, and says 95 % over many recordings: is something else here than in the \
+             training, the load, the temperature, the sensor's mount? If not, learn from this log, too: `piezo identify` takes several",
+            match since {
+                Since::Zero => " since the zero",
+                Since::OneCycle => ", told one cycle,",
+                Since::Either => "",
+            }
         ),
     }
 }

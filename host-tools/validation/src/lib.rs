@@ -26,6 +26,6 @@ pub use raised::Raised;
 pub use run::Run;
 pub use scope::{Bound, FEWEST, Scope, ScopeError, ZERO_WINDOW_S, errors_within};
 pub use straight_line::{Point, StraightLine};
-pub use suspicion::{Evidence, Suspicion};
+pub use suspicion::{Evidence, Since, Suspicion};
 pub use told::{Told, ToldFigures};
 pub use trace::Trace;

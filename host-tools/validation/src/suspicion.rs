@@ -29,9 +29,23 @@ pub enum Suspicion {
     },
     /// The interval holds the sensor less often than most recordings are held.
     Narrow {
-        /// How often it does, %, at best.
+        /// What was told before.
+        since: Since,
+        /// How often it does, %.
         held_percent: f64,
     },
+}
+
+/// Since when an interval is looked at.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Since {
+    /// Since the zero at a time that was asked for.
+    Zero,
+    /// Since the mean over one cycle was told.
+    OneCycle,
+    /// Since the first reading or since one cycle, whichever does better.
+    Either,
 }
 
 /// What speaks for another actuator, unit or column.
@@ -91,14 +105,15 @@ const WITHOUT: f64 = 0.3;
 const MATTERS: f64 = 1.0;
 
 impl Suspicion {
-    /// Of a log against a table, by what was told and what is scored; `None` where nothing is suspicious.
-    pub fn of(comparison: &Comparison, table: &Table, scope: &Scope, told: Told) -> Option<Self> {
+    /// Of a log against a table, by what was told and what is scored; `None` where nothing is suspicious. An error that
+    /// is judged without its offset (`rezeroed`) may be a constant.
+    pub fn of(comparison: &Comparison, table: &Table, scope: &Scope, told: Told, rezeroed: bool) -> Option<Self> {
         let evidence = evidence(comparison, table);
         if !evidence.is_empty() {
             return Some(Self::Another { evidence });
         }
         // Told nothing, it may be off by where it started; otherwise zeroed, the offset is taken off.
-        let read = told == Told::FirstReading && scope.zero_at_s.is_none();
+        let read = told == Told::FirstReading && scope.zero_at_s.is_none() && !rezeroed;
         if let Some(figures) = comparison.told.get(told).filter(|_| read) {
             let (offset_um, mae_um, without_um) = (figures.offset_um, figures.mae_um, figures.mae_without_offset_um);
             if without_um < WITHOUT * mae_um && figures.mae_percent > MATTERS {
@@ -106,23 +121,30 @@ impl Suspicion {
             }
         }
         let &Comparison { interval, interval_one_cycle, .. } = comparison;
-        let held_percent = asked(told, scope.zero_at_s.is_some(), interval, interval_one_cycle)?.covered_percent;
-        (held_percent < NARROW).then_some(Self::Narrow { held_percent })
+        let (since, coverage) = asked(told, scope.zero_at_s.is_some(), interval, interval_one_cycle);
+        let held_percent = coverage?.covered_percent;
+        (held_percent < NARROW).then_some(Self::Narrow { since, held_percent })
     }
 }
 
-/// How the interval did since what was told last; where that is the first reading alone, or nothing, since whichever
-/// is better: without a zero there is nothing that a sensor and a model agree on.
-fn asked(told: Told, zeroed: bool, since: Option<Coverage>, since_cycle: Option<Coverage>) -> Option<Coverage> {
+/// How the interval did since what was told last, a cycle after a zero. Where that is the first reading, nothing, or an
+/// offset that no device knows, since whichever does better.
+fn asked(
+    told: Told,
+    zeroed: bool,
+    since: Option<Coverage>,
+    since_cycle: Option<Coverage>,
+) -> (Since, Option<Coverage>) {
     match told {
-        Told::OneCycle => since_cycle,
-        Told::Nothing | Told::FirstReading if zeroed => since,
-        _ => better(since, since_cycle),
+        Told::OneCycle => (Since::OneCycle, since_cycle),
+        Told::Nothing | Told::FirstReading if zeroed => (Since::Zero, since),
+        _ => (Since::Either, better(since, since_cycle)),
     }
 }
 
 /// What holds the sensor more often. One that was zeroed anew spoils the interval since the first reading, a transient
-/// in the first cycle the other.
+/// in the first cycle the other. A voltage without a cycle leaves only the one that the sensor's zero may spoil, and so
+/// nothing.
 fn better(since: Option<Coverage>, since_cycle: Option<Coverage>) -> Option<Coverage> {
     let since_cycle = since_cycle?;
     Some(since.filter(|since| since.covered_percent > since_cycle.covered_percent).unwrap_or(since_cycle))
@@ -174,11 +196,18 @@ mod tests {
     fn an_interval_is_judged_by_what_was_told() {
         let of = |covered_percent| Some(Coverage { covered_percent, half_width_um: 1.0, best_constant_um: 1.0 });
         let asked = |told, zeroed, since, since_cycle| {
-            asked(told, zeroed, of(since), of(since_cycle)).map(|of| of.covered_percent)
+            asked(told, zeroed, of(since), of(since_cycle)).1.map(|of| of.covered_percent)
         };
         assert_eq!(asked(Told::OneCycle, false, 97.8, 11.9), Some(11.9));
         assert_eq!(asked(Told::OneCycle, true, 97.8, 11.9), Some(11.9), "one cycle takes the zero's place");
         assert_eq!(asked(Told::Nothing, true, 53.6, 82.5), Some(53.6));
         assert_eq!(asked(Told::FirstReading, false, 0.0, 99.0), Some(99.0), "its sensor may have another zero");
+        assert_eq!([asked(Told::Offset, false, 97.0, 11.9), asked(Told::Offset, true, 11.9, 97.0)], [Some(97.0); 2]);
+        assert_eq!(
+            super::asked(Told::FirstReading, false, of(0.0), None),
+            (Since::Either, None),
+            "no cycle tells the two apart"
+        );
+        assert_eq!(super::asked(Told::Nothing, true, of(70.0), None), (Since::Zero, of(70.0)));
     }
 }

@@ -15,8 +15,8 @@ pub struct ScopeArgs {
     /// Score up to this time, s from the log's first sample.
     #[arg(long, value_name = "T", value_parser = not_negative, allow_negative_numbers = true)]
     pub to: Option<f64>,
-    /// Zero the estimate at this time, s from the log's first sample, as `piezo zero` does, of a device that was told
-    /// nothing before: its mean error over the 50 ms up to there is taken off, and only what follows is scored.
+    /// Zero the estimate at this time, s from the log's first sample, as `piezo zero` does: its mean error over the 50
+    /// ms up to there is taken off, and only what follows is scored. Before, the device is told nothing.
     #[arg(long, value_name = "T", value_parser = not_negative, allow_negative_numbers = true)]
     pub zero_at: Option<f64>,
 }

@@ -24,7 +24,7 @@ pub struct Validate {
     /// Logs, best such as it has not seen.
     #[arg(required = true)]
     pub logs: Vec<PathBuf>,
-    /// What the estimator is told, where a threshold judges and in what --out writes.
+    /// What the estimator is told, where a threshold judges and in what --out writes; before a --zero-at, nothing.
     #[arg(long, value_parser = choice(TOLD), default_value = Told::FirstReading.name())]
     pub told: Told,
     /// Write the f32 core's estimates to this file: time_s, voltage_V, displacement_um, estimate_um, half_width_um,
@@ -98,9 +98,8 @@ pub fn run(arguments: &Validate) -> Result<bool> {
         }
     }
     let trained_on: Vec<_> = logs.iter().map(|log| trained_on(&file.logs, log)).collect();
-    // Without its offset it is judged as if it were told that.
-    let as_if = if arguments.rezero { Told::Offset } else { told };
-    let suspicions: Vec<_> = comparisons.iter().map(|of| Suspicion::of(of, &table, &scope, as_if)).collect();
+    let suspicion_of = |of| Suspicion::of(of, &table, &scope, told, arguments.rezero);
+    let suspicions: Vec<_> = comparisons.iter().map(suspicion_of).collect();
     let mil = Figures::all(comparisons.iter().map(|c| &c.mil));
     let figures = ToldFigures::all(comparisons.iter().map(|c| &c.told));
     let (Some(mil), Some(all)) = (mil, figures) else { return Ok(false) };
@@ -130,7 +129,7 @@ pub fn run(arguments: &Validate) -> Result<bool> {
     out(EXPLAINED);
     if let Some(at) = scope.zero_at_s {
         out(&format!(
-            "Zeroed at {at} s: the mean error of the 50 ms up to there is taken off; what follows is scored."
+            "Zeroed at {at} s: the mean error of the 50 ms up to there is taken off; what follows is scored, {told}."
         ));
     }
     findings::ends_left_out(&recipe).iter().for_each(|line| out(line));
