@@ -57,7 +57,7 @@ pub fn taught(of: &Determination) -> Vec<(String, String)> {
             Told::Well => known,
             Told::Partly | Told::Not => format!("{known}; longer (--minutes) narrows it"),
             Told::Slower => "not told: nothing goes as far that fast; faster (--up-to) does".to_owned(),
-            Told::OtherSwings => "not told: nothing swings about as far; longer (--minutes) does".to_owned(),
+            Told::OtherSwings => "not told: nothing swings about as far".to_owned(),
             Told::Restless => "not told: no step is held as long; longer (--minutes) does".to_owned(),
         };
         (words(found.experiment).0, told)
@@ -89,7 +89,7 @@ fn words(experiment: Experiment) -> (String, String) {
             format!("swings of {:.0} % of the range", 100.0 * part),
         ),
         Experiment::Creep => {
-            ("Creep from 0.1 to 10 s after a step over it".to_owned(), "a step, and a hold of 10 s".to_owned())
+            ("Creep from 0.1 to 10 s, after a full step".to_owned(), "a step, and a hold of 10 s".to_owned())
         }
     }
 }

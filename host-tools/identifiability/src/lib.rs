@@ -109,7 +109,7 @@ pub enum Told {
     /// No log's voltage goes nearly as fast: number and standard error are those of a law that only slower
     /// ones have shown.
     Slower,
-    /// No log's voltage goes about as far from one reversal to the next: number and standard error are those of a law
+    /// No log's voltage goes about as far from one turn to the next: number and standard error are those of a law
     /// that only other swings have shown.
     OtherSwings,
     /// No log's voltage rests as long behind a move: number and standard error are those of a law that only what is
@@ -252,11 +252,16 @@ fn farthest(session: &Session, seconds: f64) -> f64 {
     pairs.map(|(from, to)| (to - from).abs()).fold(0.0, f64::max)
 }
 
-/// Whether the voltage of a session goes about so far (V) between two reversals.
+/// Whether the voltage of a session goes about so far (V) and as far back, from where it begins or turns to where it
+/// turns or ends. A sine that begins at its middle goes half as far at first, and not back by that.
 fn swings_about(session: &Session, swing_v: f64) -> bool {
-    let turns = reversals(&session.voltage, swing_v / ALIKE);
-    let swing = |pair: &[usize]| (session.voltage[pair[1]] - session.voltage[pair[0]]).abs();
-    turns.windows(2).any(|pair| swing(pair) <= ALIKE * swing_v)
+    let mut turns = vec![0];
+    turns.extend(reversals(&session.voltage, swing_v / ALIKE));
+    turns.extend(session.voltage.len().checked_sub(1));
+    let alike = |from: usize, to: usize| {
+        (swing_v / ALIKE..=ALIKE * swing_v).contains(&(session.voltage[to] - session.voltage[from]).abs())
+    };
+    turns.windows(3).any(|turns| alike(turns[0], turns[1]) && alike(turns[1], turns[2]))
 }
 
 /// The variance of another of some numbers about 0; 0 of none.

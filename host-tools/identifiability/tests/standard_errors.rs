@@ -95,6 +95,10 @@ fn what_was_recorded_is_known_and_what_was_not_is_not() {
     assert_eq!(told(HALF, &alone), Told::OtherSwings, "a law alone says what smaller loops do");
     assert_eq!(told(HALF, &with(sines(0.25, 1.0, 2))), Told::OtherSwings, "half as far");
     assert_eq!(told(HALF, &with(sines(0.4, 1.0, 2))), Told::Well, "about as far");
+    let from_middle = of(&major[500..], 0.02);
+    assert_eq!(told(HALF, &from_middle), Told::OtherSwings, "half as far at first, from a sine's middle");
+    let once = determination(&table(), &[&session(&major, 0.02), &session(&sines(0.5, 1.0, 1), 0.02)]).unwrap();
+    assert_ne!(told(HALF, &once), Told::OtherSwings, "up and back once, from where a log begins to where it ends");
     let slow = of(&sines(1.0, 0.2, 2), 0.02);
     let of_loops = slow.found.iter().filter(|found| matches!(found.experiment, Experiment::Width { part: 1.0, .. }));
     assert!(of_loops.clone().count() == 2 && of_loops.clone().all(|found| found.told == Told::Slower), "{slow:#?}");
