@@ -54,7 +54,7 @@ pub struct Estimate<T> {
     /// Displacement at the next tick, µm: the model's, relative to its zero, plus [`Estimator::bias`].
     pub displacement: T,
     /// Half the width of its 95 % interval ([`interval`](crate::interval)), µm, at most the span of the table's limits,
-    /// within which estimate and actuator are both taken to be; `None` where the table has none, or the
+    /// within which the model and the actuator are both taken to be; `None` where the table has none, or the
     /// displacement was not told since the start, or the voltage is beyond what the model was fed.
     pub half_width: Option<T>,
     /// The same as the DAC takes it.

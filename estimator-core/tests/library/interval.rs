@@ -41,7 +41,7 @@ fn there_is_none_before_a_displacement_is_told_or_too_soon() {
     assert!(estimator.tick_volts(0.0).half_width.is_some());
 }
 
-/// A jump in one tick is many times what the interval's rate is of; no more of it than the limits is open.
+/// A jump from end to end in one tick: by the rate alone, the half-width were fifty times the stroke.
 #[test]
 fn it_is_no_wider_than_the_limits() {
     let table = table(IntervalParameters { rate_ticks: 50.0, ..parameters() }).admit().unwrap();
