@@ -3,7 +3,7 @@
 //! `setup` gets a machine ready; `test` runs the one list of checks, the same for people and for CI; `emulate` starts
 //! the firmware without a board; `size` says what it takes of the chip, `cycles` what its tick costs; `figures` writes
 //! the documents' figures; `bench` measures what identification costs, `kernels` counts the instructions of what is hot
-//! in it; `soak` has the firmware stream for an hour.
+//! in it; `soak` has the firmware stream for an hour, `miri` looks for what Rust leaves undefined.
 
 mod artifact;
 mod bench;
@@ -19,6 +19,7 @@ mod emulate;
 mod figures;
 mod image;
 mod kernels;
+mod miri;
 mod outcome;
 mod packages;
 mod python;
@@ -65,6 +66,8 @@ enum Chore {
     Kernels(kernels::Arguments),
     /// Have the firmware stream for an hour of its own time, and compare every sample with the host's
     Soak(soak::Arguments),
+    /// Have Miri interpret the tests of what reads flash, the wire and a C program's pointers
+    Miri,
 }
 
 fn main() -> Result<ExitCode> {
@@ -88,5 +91,6 @@ fn main() -> Result<ExitCode> {
         Chore::Bench(arguments) => bench::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
         Chore::Kernels(arguments) => kernels::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
         Chore::Soak(arguments) => soak::run(&sh, &arguments).map(|()| ExitCode::SUCCESS),
+        Chore::Miri => miri::run(&sh).map(|()| ExitCode::SUCCESS),
     }
 }
