@@ -120,8 +120,11 @@ fn no_number_that_is_none_gets_in() {
 
 #[test]
 fn an_inverse_needs_limits_that_keep_their_rules() {
-    let (_, narx) = table_files::TableFile::load(&data("models/narx.toml")).unwrap();
-    let (gpi, narx) = (generalised(), table_files::record(&narx));
+    // Tables without limits of a drive.
+    let [gpi, narx] = ["generalised-prandtl-ishlinskii", "narx"].map(|model| {
+        let (_, table) = table_files::TableFile::load(&data(&format!("models/{model}.toml"))).unwrap();
+        table_files::record(&table)
+    });
     let limits = PiezoDriveLimits { voltage_min_v: 0.0, voltage_max_v: 3.0, rest_v: 0.0, slew_v_per_s: 100.0 };
     let mut inverse = PiezoInverse::zeros();
     let mut begin = |record: &[u8], limits: Option<PiezoDriveLimits>| {
