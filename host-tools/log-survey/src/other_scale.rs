@@ -18,8 +18,8 @@ pub struct OtherScale {
     pub others: usize,
 }
 
-/// Displacement and voltage that go together less say nothing of the scale: a rest, noise, a drive beyond the
-/// resonance.
+/// Displacement and voltage that go together less say nothing of the scale: a rest, noise, a drive that lags far behind
+/// or is beyond the resonance.
 const TOGETHER: f64 = 0.9;
 /// A log in which neither deviates by so much, of what the middle one does, shows creep and drift rather than a motion.
 const MOVES: f64 = 0.1;

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! w = √( own² + (own/own₀)^2γ · Σ (a_i·part_i)² )     own: what the device's own logs say that it is off by, own₀ its geometric mean over devices;
-//!                                                     an own beyond the devices' counts as the nearest of theirs, and (own/nearest)^0.7 more; below theirs only where the logs have several amplitudes
+//!                                                     an own beyond the devices' counts as the nearest of theirs, and (own/nearest)^0.7 more;
+//!                                                     below theirs that only where the logs have several amplitudes
 //! a, γ: least mean of w + max(0, |e| − w)/0.05         e: error since the displacement was told; recordings weighing alike
 //! ```
 //!

@@ -143,8 +143,7 @@ fn asked(
 }
 
 /// What holds the sensor more often. One that was zeroed anew spoils the interval since the first reading, a transient
-/// in the first cycle the other. A voltage without a cycle leaves only the one that the sensor's zero may spoil, and so
-/// nothing.
+/// in the first cycle the other. Without a cycle there is only the one that the sensor's zero may spoil: `None`.
 fn better(since: Option<Coverage>, since_cycle: Option<Coverage>) -> Option<Coverage> {
     let since_cycle = since_cycle?;
     Some(since.filter(|since| since.covered_percent > since_cycle.covered_percent).unwrap_or(since_cycle))
