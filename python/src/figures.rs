@@ -76,7 +76,7 @@ pub fn validate(
     let comparison = py.detach(|| compare_within(&table.admitted, &session, &scope)).map_err(refused)?;
     let figures = comparison
         .told
-        .get(told.before(zero_at_s))
+        .get(told.before(zero_at_s.is_some()))
         .ok_or_else(|| refused(identification::validate::ScopeError::NoCycle))?;
     Ok((*figures).into())
 }

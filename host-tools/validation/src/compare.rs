@@ -93,8 +93,8 @@ fn within(table: &Admitted, session: &Session, part: &Part) -> Comparison {
     let reference = Run::of::<f64>(table, session, Some(first), zero);
     let single = Run::of::<f32>(table, session, Some(first), zero);
     let nothing = Run::of::<f32>(table, session, None, zero);
-    // Before a zero a device is told nothing.
-    let (before, run) = if zero.is_some() { (Told::Nothing, &nothing) } else { (Told::FirstReading, &single) };
+    let before = Told::FirstReading.before(zero.is_some());
+    let run = if before == Told::Nothing { &nothing } else { &single };
     let beside = Correction::of(before, session, part, run);
     let interval = beside.ok().and_then(|correction| correction.coverage(session, run));
     let told = ToldFigures::of(session, part, &nothing, &single);

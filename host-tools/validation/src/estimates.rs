@@ -77,7 +77,7 @@ pub fn estimates(
     scope: &Scope,
     told: Told,
 ) -> Result<Estimates, ScopeError> {
-    let (part, told) = (scope.part(session)?, told.before(scope.zero_at_s));
+    let (part, told) = (scope.part(session)?, told.before(scope.zero_at_s.is_some()));
     let start = (told == Told::FirstReading).then_some(session.displacement[0]);
     let run = Run::of::<f32>(table, session, start, None);
     let correction = Correction::of(told, session, &part, &run)?;

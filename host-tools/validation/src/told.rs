@@ -36,12 +36,12 @@ pub enum Told {
 }
 
 impl Told {
-    /// What an estimator is told before a zero at a time within the log, where there is one: a device that is zeroed
-    /// while it runs was told no first reading.
-    pub fn before(self, zero_at_s: Option<f64>) -> Self {
-        match (self, zero_at_s) {
-            (Self::FirstReading, Some(_)) => Self::Nothing,
-            (told, _) => told,
+    /// What an estimator is told where it may be `zeroed` at a time within the log: a device that is zeroed while it
+    /// runs was told no first reading.
+    pub fn before(self, zeroed: bool) -> Self {
+        match self {
+            Self::FirstReading if zeroed => Self::Nothing,
+            told => told,
         }
     }
 

@@ -78,7 +78,7 @@ pub fn run(arguments: &Validate) -> Result<bool> {
     let displacement_scale = arguments.displacement_scale.unwrap_or(file.recipe.displacement_scale);
     let recipe = Recipe { displacement_scale, ..arguments.prepare.instead_of(file.recipe) };
     let scope: Scope = (&arguments.scope).into();
-    let told = arguments.told.before(scope.zero_at_s);
+    let told = arguments.told.before(scope.zero_at_s.is_some());
     let logs = arguments.files.read_all(&arguments.logs, arguments.repair)?;
     let (mut comparisons, mut repairs) = (Vec::new(), Vec::new());
     let mut written = String::from(Estimates::HEADING);
