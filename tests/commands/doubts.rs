@@ -65,6 +65,22 @@ fn a_model_that_is_no_better_than_a_straight_line_is_doubted_and_led_to_no_board
 
 /// Both halves are alike but for a constant, which each is judged without.
 #[test]
+fn a_sensor_that_hums_with_the_mains_is_a_doubt_and_one_that_is_loud_is_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |name: &str, hum_um: f64| {
+        let hum = move |k: u32| hum_um * (std::f64::consts::TAU * 49.9 * f64::from(k) * 0.005).sin();
+        let path = log(folder.path(), name, COLUMNS, 4000, |k| (sine(k), 0.3 * sine(k) + 0.05 * noise(k) + hum(k)));
+        identified(&path, &["--devices", "0", "--json"])
+    };
+    let doubts = |said: &str| -> Value { serde_json::from_str::<Value>(said).unwrap()["doubts"].clone() };
+    let hums = |said: &Value| said.as_array().unwrap().iter().find(|of| of["doubt"] == "hums").cloned();
+    let said = hums(&doubts(&of("hum.csv", 0.1))).unwrap();
+    assert_eq!((&said["log"], &said["hertz"]), (&"hum".into(), &50.into()));
+    assert!((said["amplitude_um"].as_f64().unwrap() - 0.1).abs() < 0.01, "{said}");
+    assert_eq!(hums(&doubts(&of("loud.csv", 0.0))), None);
+}
+
+#[test]
 fn a_table_that_was_learnt_over_a_change_between_what_was_judged_and_the_rest_is_doubted() {
     let folder = tempfile::tempdir().unwrap();
     let of = |name: &str, shift_um: f64| {

@@ -8,7 +8,7 @@ use calibration::{Assumed, CalibrationOptions};
 use estimator_core::{DuhemCondition, Range, Status};
 use identification::validate::{Raised, compare};
 use identification::{Candidate, Converter, Doubt, FEW_REVERSALS, Outcome};
-use log_survey::{Ahead, Implausible, OtherScale};
+use log_survey::{Ahead, Hum, Implausible, OtherScale};
 use recordings::session::Session;
 use serde_json::{Value, json};
 
@@ -131,6 +131,12 @@ pub fn doubt(doubt: &Doubt) -> String {
         Doubt::Untrained { log, percent, first_s } => format!(
             "on {log} {}; learn from logs with swings such as these, too",
             remarks(&[Raised { bit: Status::UNTRAINED, percent: *percent, first_s: *first_s }])
+        ),
+        Doubt::Hums { log, hum: Hum { hertz, amplitude_um, percent } } => format!(
+            "the error on {log} swings by ±{:.4} µm at {hertz} Hz all the time, {percent:.0} % of its mean square, as mains hum does that the \
+             sensor's or the monitor's cable picks up: it is in every error that is said here, and no motion; shield the cables, or ground \
+             them at one end, and record again",
+            Micrometres(*amplitude_um)
         ),
         Doubt::NoisyVoltage { reversals, large } => format!(
             "the voltage reverses {reversals} times, but only {large} times by more than 10 % of its span: noise passes \
@@ -334,6 +340,7 @@ mod tests {
                 trained: Range { min: 0.0, max: 100.0 },
             },
             Doubt::OtherScale(OtherScale { log: "c".into(), um_per_v: 0.006, others_um_per_v: 0.12, others: 1 }),
+            Doubt::Hums { log: "i".into(), hum: Hum { hertz: 50, amplitude_um: 0.02, percent: 91.0 } },
             Doubt::NoisyVoltage { reversals: 900, large: 20 },
             Doubt::NoBetterThanLine { error_um: 0.2179, line_um: 0.2153 },
             Doubt::WideInterval { half_um: 2.887, percent: 22.0 },

@@ -2,7 +2,7 @@
 
 use calibration::Assumed;
 use estimator_core::{DuhemCondition, Range};
-use log_survey::{Ahead, Flaw, Implausible, OtherScale};
+use log_survey::{Ahead, Flaw, Hum, Implausible, OtherScale};
 use serde::Serialize;
 
 /// A reason not to trust a result.
@@ -136,6 +136,14 @@ pub enum Doubt {
         percent: f64,
         /// When first, s since the log's first sample.
         first_s: f64,
+    },
+    /// What the model leaves of a training log hums at a frequency of the mains.
+    Hums {
+        /// Name of the log that hums most.
+        log: String,
+        /// How it does.
+        #[serde(flatten)]
+        hum: Hum,
     },
     /// The voltage is read with more noise than the deadband.
     NoisyVoltage {

@@ -6,7 +6,7 @@ use crate::doubt::{Converter, Doubt, FEW_REVERSALS};
 use crate::validate::statistics::mean;
 use crate::validate::{Baseline, Comparison, Figures, Trace};
 use estimator_core::{AdcCode, DacCode, Parameters, Published, Range};
-use log_survey::Character;
+use log_survey::{Character, Hum, hum};
 use std::slice;
 
 /// More reversals than this multiple of the large ones are noise.
@@ -75,6 +75,7 @@ pub fn doubts(
             doubts.push(Doubt::Transient { log: comparison.name.clone(), until_s });
         }
     }
+    doubts.extend(hums(&candidate.training));
     doubts.extend(unmet_condition(&candidate.table.parameters));
     if character.reversals < FEW_REVERSALS {
         doubts.push(Doubt::FewReversals { reversals: character.reversals });
@@ -144,6 +145,16 @@ pub(crate) fn no_better(candidate: &Candidate, line: &Baseline) -> Option<Doubt>
     let (error_um, line) = held_out.or(candidate.training_off_um().map(|of| (of, line.training)))?;
     let line_um = line.mae_without_offset_um;
     (error_um > BETTER * line_um).then_some(Doubt::NoBetterThanLine { error_um, line_um })
+}
+
+/// The log whose errors hum most.
+fn hums(logs: &[Comparison]) -> Option<Doubt> {
+    let of = |log: &Comparison| {
+        let errors: Vec<f64> = log.trace.estimated.iter().zip(&log.trace.measured).map(|(e, m)| e - m).collect();
+        Some((log.name.clone(), hum(&log.trace.time_s, &errors)?))
+    };
+    let most = |(_, a): &(String, Hum), (_, b): &(String, Hum)| a.amplitude_um.total_cmp(&b.amplitude_um);
+    logs.iter().filter_map(of).max_by(most).map(|(log, hum)| Doubt::Hums { log, hum })
 }
 
 /// Whether a table has the lag that was said, s.

@@ -1,0 +1,178 @@
+//! Mains hum: what a sensor's or a monitor's cable picks up, and no actuator's motion.
+
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+/// Frequencies of the mains and what a rectifier makes of them, Hz.
+const MAINS: [u32; 4] = [50, 60, 100, 120];
+/// Lines are looked for at whole Hz from here; below is what a drive and its harmonics leave.
+const LOWEST: u32 = 10;
+/// The highest, of the readings' frequency.
+const HIGHEST: f64 = 0.45;
+/// Readings of so many seconds are transformed at once, so that mains that are 0.2 Hz off still add up.
+const BLOCK_S: f64 = 1.0;
+/// Blocks that are transformed at least, and at most.
+const BLOCKS: [usize; 2] = [5, 60];
+/// A block is whole where no more of its readings than this part are missing.
+const MISSING: f64 = 0.02;
+/// The window's line is this many Hz wide to either side, and what stands up to
+const WIDE: u32 = 2;
+/// so many Hz beside it is what it has to be
+const BESIDE: u32 = 6;
+/// so many times as strong as, in power.
+const ABOVE: f64 = 16.0;
+/// Least part of the mean square that a hum is worth mentioning at, %.
+const WORTH: f64 = 10.0;
+
+/// A hum in what a model leaves of a log.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Hum {
+    /// Its frequency, Hz.
+    pub hertz: u32,
+    /// Its amplitude, µm.
+    pub amplitude_um: f64,
+    /// What it is of the error's mean square, %.
+    pub percent: f64,
+}
+
+/// The hum in the errors (µm) of a log's readings at these times (s): a line at a frequency of the mains that stands
+/// out from what is beside it, and than which no other from 10 Hz on is stronger, in more than half of the log.
+pub fn hum(times_s: &[f64], errors_um: &[f64]) -> Option<Hum> {
+    let count = times_s.len().min(errors_um.len());
+    let period = (times_s.get(count.checked_sub(1)?)? - times_s[0]) / (count.max(2) - 1) as f64;
+    let highest = (HIGHEST / period).min(f64::from(MAINS[3] + BESIDE)) as u32;
+    let mains = || MAINS.into_iter().filter(|hertz| hertz + BESIDE <= highest);
+    mains().next()?;
+    let readings = (BLOCK_S / period).round() as usize;
+    let blocks = blocks(times_s, errors_um, readings, period);
+    let powers: Vec<f64> = (LOWEST..=highest).map(|hertz| median(&blocks, |block| block.power(hertz))).collect();
+    let at = |hertz: u32| powers[(hertz - LOWEST) as usize];
+    let mean_square = median(&blocks, |block| block.mean_square);
+    mains().find_map(|hertz| {
+        let power = at(hertz);
+        let beside = (WIDE + 1..=BESIDE).flat_map(|by| [hertz - by, hertz + by]).map(at).fold(0.0, f64::max);
+        let others = (LOWEST..=highest).filter(|other| !other.is_multiple_of(hertz) && other.abs_diff(hertz) > WIDE);
+        let strongest = others.map(at).fold(0.0, f64::max);
+        let percent = 100.0 * power / mean_square;
+        let found = power > ABOVE * beside && power > strongest && percent > WORTH;
+        found.then(|| Hum { hertz, amplitude_um: (2.0 * power).sqrt(), percent })
+    })
+}
+
+/// Readings of a second without a gap, their mean taken away, under Hann's window.
+struct Block<'a> {
+    times_s: &'a [f64],
+    windowed: Vec<f64>,
+    /// Of the errors about their mean, µm².
+    mean_square: f64,
+}
+
+impl Block<'_> {
+    /// The mean square of the part at a frequency, µm².
+    fn power(&self, hertz: u32) -> f64 {
+        let (cos, sin) = self.times_s.iter().zip(&self.windowed).fold((0.0, 0.0), |(cos, sin), (time, value)| {
+            let (s, c) = (TAU * f64::from(hertz) * (time - self.times_s[0])).sin_cos();
+            (cos + value * c, sin + value * s)
+        });
+        // Half of the amplitude's square; the mean of the window is a half.
+        2.0 * (cos * cos + sin * sin) / (0.5 * self.windowed.len() as f64).powi(2)
+    }
+}
+
+/// Blocks of so many readings, evenly over the log; none where there are too few.
+fn blocks<'a>(times_s: &'a [f64], errors_um: &[f64], readings: usize, period: f64) -> Vec<Block<'a>> {
+    let whole = |times: &[f64]| {
+        let long = times[times.len() - 1] - times[0];
+        long <= (1.0 + MISSING) * (times.len() - 1) as f64 * period
+    };
+    let pairs = times_s.chunks_exact(readings).zip(errors_um.chunks_exact(readings));
+    let all: Vec<_> = pairs.filter(|(times, _)| whole(times)).collect();
+    if all.len() < BLOCKS[0] {
+        return Vec::new();
+    }
+    let every = all.len().div_ceil(BLOCKS[1]);
+    let block = |(times_s, errors): (&'a [f64], &[f64])| {
+        let mean = errors.iter().sum::<f64>() / readings as f64;
+        let about = || errors.iter().map(move |error| error - mean);
+        let hann = |at: usize| 0.5 - 0.5 * (TAU * at as f64 / readings as f64).cos();
+        Block {
+            times_s,
+            windowed: about().enumerate().map(|(at, error)| hann(at) * error).collect(),
+            mean_square: about().map(|error| error * error).sum::<f64>() / readings as f64,
+        }
+    };
+    all.into_iter().step_by(every).map(block).collect()
+}
+
+/// The median of what is asked of each block; 0 of none.
+fn median(blocks: &[Block<'_>], of: impl Fn(&Block<'_>) -> f64) -> f64 {
+    let mut all: Vec<f64> = blocks.iter().map(of).collect();
+    let middle = all.len() / 2;
+    if all.is_empty() { 0.0 } else { *all.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::SeedableRng as _;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution as _, StandardNormal};
+
+    /// Ten seconds of noise of 1 nm at a rate, and a sum of sines (Hz, µm).
+    fn recorded(hertz: f64, sines: &[(f64, f64)]) -> (Vec<f64>, Vec<f64>) {
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let times: Vec<f64> = (0..(10.0 * hertz) as u32).map(|index| f64::from(index) / hertz).collect();
+        let error = |time: &f64| {
+            let noise: f64 = StandardNormal.sample(&mut random);
+            1e-3 * noise + sines.iter().map(|(hertz, um)| um * (TAU * hertz * time + 1.0).sin()).sum::<f64>()
+        };
+        let errors = times.iter().map(error).collect();
+        (times, errors)
+    }
+
+    fn found(hertz: f64, sines: &[(f64, f64)]) -> Option<Hum> {
+        let (times, errors) = recorded(hertz, sines);
+        hum(&times, &errors)
+    }
+
+    #[test]
+    fn a_hum_is_found_at_its_frequency_with_its_amplitude() {
+        for hertz in [49.8, 50.0, 60.1, 100.0] {
+            let hum = found(1000.0, &[(1.0, 0.002), (hertz, 0.003)]).unwrap();
+            assert_eq!(f64::from(hum.hertz), hertz.round());
+            assert!((hum.amplitude_um - 0.003).abs() < 2e-4, "{hum:?}");
+            // Of 4.5 beside 1 of the noise and 2 of the slow error.
+            assert!((hum.percent - 60.0).abs() < 6.0, "{hum:?}");
+        }
+        let both = found(1000.0, &[(50.0, 0.003), (100.0, 0.004)]).unwrap();
+        assert_eq!(both.hertz, 50, "the mains, and what a rectifier makes of it");
+    }
+
+    #[test]
+    fn neither_noise_nor_a_drive_s_harmonics_nor_what_cannot_be_seen_is_a_hum() {
+        assert_eq!(found(1000.0, &[]), None);
+        for drive in [1.0, 2.0, 5.0, 10.0, 20.0, 25.0] {
+            let odd: Vec<(f64, f64)> = (0..10).map(|k| f64::from(2 * k + 1)).map(|k| (k * drive, 0.02 / k)).collect();
+            let all: Vec<(f64, f64)> = (1..20).map(f64::from).map(|k| (k * drive, 0.02 / k)).collect();
+            assert_eq!((found(1000.0, &odd), found(1000.0, &all)), (None, None), "{drive} Hz");
+        }
+        assert_eq!(found(1000.0, &[(50.0, 0.003), (37.0, 0.004)]), None, "another line is stronger");
+        assert_eq!(found(1000.0, &[(1.0, 0.05), (50.0, 0.003)]), None, "a little of the error");
+        assert_eq!(found(100.0, &[(50.0, 0.003)]), None, "too near half the readings' frequency");
+        let (times, errors) = recorded(1000.0, &[(50.0, 0.003)]);
+        assert!(hum(&times[..4500], &errors[..4500]).is_none(), "too short");
+        assert_eq!(hum(&[], &[]), None);
+        assert_eq!(hum(&[0.0], &[0.0]), None);
+    }
+
+    #[test]
+    fn gaps_leave_blocks_out() {
+        let (times, errors) = recorded(1000.0, &[(50.0, 0.003)]);
+        let kept = |at: usize| !(at / 1000).is_multiple_of(4) || at % 1000 < 500;
+        let of = |values: Vec<f64>| {
+            values.into_iter().enumerate().filter(|(at, _)| kept(*at)).map(|(_, x)| x).collect::<Vec<_>>()
+        };
+        let hum = hum(&of(times), &of(errors)).unwrap();
+        assert_eq!(hum.hertz, 50);
+    }
+}
