@@ -38,6 +38,10 @@ pub const DEVICES: u32 = 12;
 const CERTAIN: f64 = 2.0;
 /// What no log can tell a model to be off less than, of the stroke.
 const LEAST: f64 = 0.004;
+/// Part of the half-width that is there always by which plays have to be off from where they stood in a training of
+/// several amplitudes to count as untrained: with less the ± is not an eighth wider there. Of others than a single
+/// amplitude nothing is known.
+const WIDER: f32 = 0.5;
 /// A displacement may be told once so many lags and delays have gone by since the start.
 const LAGS: f64 = 5.0;
 
@@ -78,7 +82,7 @@ pub fn calibrate(
     (!tried.is_empty()).then(|| {
         let several = !Character::of(problem.training(), problem.deadband).single_amplitude();
         let gains = Gains::of(&tried, several).at(own_um);
-        let parameters = scaled(unscaled(problem, candidate), gains, own_um);
+        let parameters = scaled(unscaled(problem, candidate), gains, own_um, several);
         let [memory, misfit] = [parameters.memory_um[0], parameters.misfit_um].map(f64::from);
         let at_ends = memory_at_ends(problem, &candidate.table, memory, misfit) as f32;
         let parameters = IntervalParameters {
@@ -163,15 +167,17 @@ fn scaled(
     unscaled: IntervalParameters,
     [misfit, memory, rate, moved, gain, drift]: [f64; PARTS],
     own_um: f64,
+    several_amplitudes: bool,
 ) -> IntervalParameters {
     let times = |number: f32, gain: f64| (f64::from(number) * gain) as f32;
+    let misfit_um = (misfit * f64::from(unscaled.misfit_um)).hypot(own_um) as f32;
     IntervalParameters {
-        misfit_um: (misfit * f64::from(unscaled.misfit_um)).hypot(own_um) as f32,
+        misfit_um,
         memory_um: unscaled.memory_um.map(|number| times(number, memory)),
         rate_ticks: times(unscaled.rate_ticks, rate),
         spread_um: unscaled.spread_um.map(|number| times(number, moved)),
         prototype_um: times(unscaled.prototype_um, moved),
-        untrained_um: times(unscaled.untrained_um, moved),
+        untrained_um: times(unscaled.untrained_um, moved).max(if several_amplitudes { WIDER * misfit_um } else { 0.0 }),
         gain: times(unscaled.gain, gain),
         drift_um: times(unscaled.drift_um, drift),
         ..unscaled

@@ -1,7 +1,7 @@
 //! An interval that is calibrated on simulated devices, judged on a device that is none of them.
 
 use ::calibration::CalibrationOptions;
-use estimator_core::Model;
+use estimator_core::{Model, Status};
 use identification::cost::{Cost, Feedback};
 use identification::validate::{Coverage, Scope, compare_within};
 use identification::{Candidate, Conditions, Job, ModelChoice, Prepared, SearchOptions, identify, prepared};
@@ -14,10 +14,14 @@ use recordings::prepare::{AutoOr, PrepareOptions};
 const DEVICES: u32 = 6;
 
 fn learnt(plant: &Plant, model: Model, hertz: &[f64]) -> (Prepared, Candidate, SearchOptions) {
-    let sine = |hertz| Waveform::Sine { amplitude: plant.full_v, hertz, offset: 0.0 };
+    let sine = |&hertz: &f64| Waveform::Sine { amplitude: plant.full_v, hertz, offset: 0.0 };
+    learnt_from(plant, model, &hertz.iter().map(sine).collect::<Vec<_>>())
+}
+
+fn learnt_from(plant: &Plant, model: Model, waveforms: &[Waveform]) -> (Prepared, Candidate, SearchOptions) {
     let search = SearchOptions { evaluations: 60, ..SearchOptions::default() };
     let job = Job {
-        training: (1..).zip(hertz).map(|(seed, &hertz)| plant.log("sine", &sine(hertz), 2.0, seed)).collect(),
+        training: (1..).zip(waveforms).map(|(seed, waveform)| plant.log("log", waveform, 2.0, seed)).collect(),
         held_out: Vec::new(),
         hold_out: 0.0,
         as_judged: false,
@@ -71,6 +75,28 @@ fn it_holds_on_recordings_of_another_kind_and_is_narrower_where_the_training_was
     }
     assert!(as_trained.half_width_um < 0.03 * plant.stroke_um, "{as_trained:?}");
     assert!(as_trained.half_width_um < stairs.half_width_um, "{as_trained:?} {stairs:?}");
+}
+
+/// Swings that lie between those of the training are no reason for a flag, where what they are off by is no more than
+/// the ± has anyway; those of which one amplitude says nothing are.
+#[test]
+fn what_hardly_widens_the_interval_is_not_called_untrained() {
+    let plant = Plant::drawn(Kind::JilesAtherton, 3);
+    let sine = |(part, hertz): (f64, f64)| Waveform::Sine { amplitude: part * plant.full_v, hertz, offset: 0.0 };
+    let untrained = |training: &[(f64, f64)]| {
+        let training: Vec<Waveform> = training.iter().copied().map(sine).collect();
+        let (Prepared { problem, context, .. }, candidate, search) =
+            learnt_from(&plant, Model::GeneralisedPrandtlIshlinskii, &training);
+        let parameters = calibrate(&problem, &candidate, &context, &search, DEVICES, || ()).unwrap().parameters;
+        let table = candidate.with_interval(Some(parameters)).unwrap().table;
+        let drive = Waveform::Multisine { amplitude: plant.full_v, from_hz: 1.0, to_hz: 10.0, tones: 6 };
+        let log = plant.log("unseen", &drive, 5.0, 9);
+        let session = prepared(&context.recipe, &context.recipe.cut(&log)).unwrap();
+        let raised = compare_within(&table, &session, &Scope::ALL).unwrap().raised;
+        raised.iter().find(|raised| raised.bit == Status::UNTRAINED).map_or(0.0, |raised| raised.percent)
+    };
+    let [several, one] = [&[(1.0, 2.0), (0.6, 2.0), (0.3, 2.0)][..], &[(1.0, 2.0)]].map(untrained);
+    assert!(several < 5.0 && one > 30.0, "{several} % and {one} % of the time");
 }
 
 /// One frequency does not tell a lag from hysteresis: what that leaves open at another stands in the interval, until a
