@@ -44,12 +44,13 @@ pub fn doubt(doubt: &Doubt) -> String {
         ),
         Doubt::Flawed { log, worst, count, left_out, most } => flawed(log, worst, *count, *left_out, *most),
         Doubt::Unfinished { missing } => format!("{missing}: identify again once it is whole, or record another"),
-        Doubt::HeldOutFar { training_um, held_out_um } => format!(
+        Doubt::HeldOutFar { training_um, held_out_um, learnt_since } => format!(
             "on the held-out data the error without offset is {:.3} µm, in training {:.3} µm: the model \
              has learnt this recording rather than the actuator, the two were recorded under other conditions, or what was held out goes as far or \
-             as fast as nothing before it did",
+             as fast as nothing before it did{}",
             Micrometres(*held_out_um),
-            Micrometres(*training_um)
+            Micrometres(*training_um),
+            if *learnt_since { ". The table was learnt from both since; how far off the table is, only another recording says (piezo validate)" } else { "" }
         ),
         Doubt::LearntWorse { whole_um, judged_um } => format!(
             "the table was learnt once more from the whole logs, and is off by {:.3} µm on them without offset, where the model before was by {:.3} µm \
@@ -317,7 +318,7 @@ mod tests {
             Doubt::PoorFit { log: "d".into(), percent: 40.0 },
             Doubt::Flawed { log: "e".into(), worst: FLAW, count: 3, left_out: false, most: false },
             Doubt::Unfinished { missing: "the session ended before its time".into() },
-            Doubt::HeldOutFar { training_um: 0.1, held_out_um: 1.0 },
+            Doubt::HeldOutFar { training_um: 0.1, held_out_um: 1.0, learnt_since: true },
             Doubt::LearntWorse { whole_um: 1.5, judged_um: 0.039 },
             Doubt::NothingHeldOut,
             Doubt::Diverges { fed_um: 0.01, simulation_um: 3.0 },

@@ -62,6 +62,8 @@ pub enum Doubt {
         training_um: f64,
         /// Simulation MAE without offset on what was held out, µm.
         held_out_um: f64,
+        /// The table was learnt from what was held out, too, since.
+        learnt_since: bool,
     },
     /// What was learnt once more from the whole logs describes them worse than the judged model did each part.
     LearntWorse {

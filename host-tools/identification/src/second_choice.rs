@@ -77,7 +77,7 @@ fn rivals(identification: &Identification<'_>, candidates: &[Candidate], chosen:
     others.sort_by(|(_, a), (_, b)| a.total_cmp(b));
     let contradicted = others.first().is_some_and(|(_, least)| *least < CONTRADICTS * first_off);
     let training = first.training_off_um().unwrap_or(0.0);
-    let untaught = far(training, first_off, identification.problem.stroke().span()).is_some();
+    let untaught = far(training, first_off, identification.problem.stroke().span());
     let near = others.into_iter().take_while(|(_, off)| *off <= WITHIN * first_off).take(RIVALS);
     (contradicted || untaught).then(|| near.map(|(index, _)| index).collect())
 }

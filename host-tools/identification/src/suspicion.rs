@@ -63,7 +63,10 @@ pub fn doubts(
     let off_um = judged.training_off_um().zip(judged.held_out_off_um());
     match (judged.training_figures(), judged.held_out_figures(), off_um) {
         (Some(training), Some(held_out), Some((training_um, held_out_um))) => {
-            doubts.extend(far(training_um, held_out_um, training.stroke_um));
+            if far(training_um, held_out_um, training.stroke_um) {
+                let learnt_since = candidate.held_out.is_empty();
+                doubts.push(Doubt::HeldOutFar { training_um, held_out_um, learnt_since });
+            }
             let whole = candidate.training_off_um();
             doubts.extend(whole.and_then(|whole_um| worse(whole_um, training_um.max(held_out_um), training.stroke_um)));
             doubts.extend(drift(judged.held_out.iter().map(|log| (&*log.name, log.mil.offset_um)), &held_out));
@@ -127,10 +130,10 @@ fn drift<'a>(offsets_um: impl Iterator<Item = (&'a str, f64)> + Clone, held_out:
         .then(|| Doubt::Drift { log: log.to_owned(), offset_um })
 }
 
-/// An error on held-out data that is larger than the training's, each beside the logs' own constants, for a stroke; µm.
-pub(crate) fn far(training_um: f64, held_out_um: f64, stroke_um: f64) -> Option<Doubt> {
-    let far = held_out_um > (FAR * training_um).max(FAR_STROKE * stroke_um);
-    far.then_some(Doubt::HeldOutFar { training_um, held_out_um })
+/// Whether an error on held-out data is larger than the training's, each beside the logs' own constants, for a stroke;
+/// µm.
+pub(crate) fn far(training_um: f64, held_out_um: f64, stroke_um: f64) -> bool {
+    held_out_um > (FAR * training_um).max(FAR_STROKE * stroke_um)
 }
 
 /// A table whose error on the whole logs is larger than the judged model's on either part of them, for a stroke; µm.
@@ -200,7 +203,7 @@ mod tests {
 
     #[test]
     fn what_is_held_out_is_far_off_where_it_is_worse_than_training_and_more_than_noise() {
-        let is_far = |training, held_out| far(training, held_out, 10.0).is_some();
+        let is_far = |training, held_out| far(training, held_out, 10.0);
         assert!(is_far(0.1, 0.151) && !is_far(0.1, 0.149));
         assert!(is_far(0.001, 0.021) && !is_far(0.001, 0.019), "two thousandths of the stroke");
         assert!(worse(0.21, 0.1, 10.0).is_some() && worse(0.19, 0.1, 10.0).is_none());
