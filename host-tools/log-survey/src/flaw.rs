@@ -24,7 +24,7 @@ pub use repair::{measured, sound};
 use repair::{leave_out, mended};
 
 use lasting::{brief, lasting};
-use leaps::{ROWS, at_ends, least_leap, spikes};
+use leaps::{ROWS, at_ends, glitches, least_leap, spikes};
 use missing::missing;
 use steps::steps;
 use voltage::{voltage_spikes, without};
@@ -184,6 +184,12 @@ pub(crate) fn in_rows(voltage: &[f64], displacement: &[f64], start_s: f64, perio
     let least = least_leap(displacement, stroke);
     let mut inside = spikes(displacement, least);
     inside.retain(uncommanded);
+    let late = (steps::LATE_S / period) as usize;
+    let apart = |of: &(usize, usize, f64)| inside.iter().all(|spike| spike.1 < of.0 || of.1 < spike.0);
+    let longer = glitches(displacement, least, voltage, stroke / volts, late);
+    let longer: Vec<_> = longer.into_iter().filter(apart).collect();
+    inside.extend(longer);
+    inside.sort_by_key(|&(first, ..)| first);
     let [start, end] = at_ends(displacement, Explained::of(voltage, 0.0, stroke / volts), least);
     // A leap at an end holds what is inside it; beside a spike inside it is nothing but that one's way back.
     inside.retain(|of| ![start, end].iter().flatten().any(|end| end.0 <= of.0 && of.1 <= end.1));

@@ -108,7 +108,14 @@ mod tests {
         for seed in 0..CATALOGUE.len() as u32 {
             let clean = sine(seed);
             let stroke = crate::stroke(&clean.voltage, clean.displacement.as_deref().unwrap(), 0.0);
-            for (rows, part, at) in [(2, 0.2, 2_345), (4, -0.07, 3_010), (4, 0.35, 4_400), (8, -0.2, 5_123)] {
+            for (rows, part, at) in [
+                (2, 0.2, 2_345),
+                (4, -0.07, 3_010),
+                (4, 0.35, 4_400),
+                (8, -0.2, 5_123),
+                (20, 0.15, 5_300),
+                (60, -0.1, 4_100),
+            ] {
                 let mut log = clean.clone();
                 let glitch = &mut log.displacement.as_mut().unwrap()[at..at + rows];
                 glitch.iter_mut().for_each(|y| *y += part * stroke);

@@ -4,6 +4,8 @@
 pub const ROWS: usize = 8;
 /// Most rows of a spike.
 pub(crate) const SPIKE_ROWS: usize = 3;
+/// Most rows of a glitch, which leaps away in one row and back in another.
+const GLITCH_ROWS: usize = 60;
 /// A spike leaps by this many times the steps that all but one in 20 are within,
 const STEPS: f64 = 6.0;
 /// and by this part of the range,
@@ -56,6 +58,37 @@ pub fn at_ends(values: &[f64], explained: Explained, least: f64) -> [Option<(usi
     let start = leaps(&|row| values[row], explained.start_um);
     let end = leaps(&|row| values[count - 1 - row], explained.end_um);
     [start.map(|(rows, leap)| (0, rows - 1, leap)), end.map(|(rows, leap)| (count - rows, count - 1, leap))]
+}
+
+/// First and last row of each glitch, and its leap: longer than a [spike](spikes), it leaps by more than so much at
+/// once, and as far back at once; in between it goes on as the actuator does. No step of the voltage (V), up to `late`
+/// rows before, explains either leap at so many µm/V.
+pub fn glitches(values: &[f64], least: f64, voltage: &[f64], um_per_v: f64, late: usize) -> Vec<(usize, usize, f64)> {
+    let step = |row: usize| values[row] - values[row - 1];
+    // Beside the motion in the rows before and behind. A leap is such a row of its neighbours; the steepest is meant.
+    let leap = |row: usize| step(row) - 0.5 * (step(row - 1) + step(row + 1));
+    let steepest = |row: usize| step(row).abs() >= step(row - 1).abs().max(step(row + 1).abs());
+    let explained = |row: usize| {
+        let near = &voltage[row.saturating_sub(late + 1)..(row + ROWS).min(voltage.len())];
+        let volts = near.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+        volts > 0.0 && leap(row).abs() <= EXPLAINED * um_per_v * volts
+    };
+    let is_edge = |&row: &usize| steepest(row) && leap(row).abs() > least && !explained(row);
+    let edges: Vec<usize> = (2..values.len().saturating_sub(1)).filter(is_edge).collect();
+    let (mut found, mut edges) = (Vec::new(), edges.as_slice());
+    while let [away, rest @ ..] = edges {
+        edges = rest;
+        let Some(back) = rest.first() else { break };
+        let [there, here] = [away, back].map(|row| leap(*row));
+        let size = there.abs().min(here.abs());
+        if there * here < 0.0 && (there + here).abs() < BACK * size && back - away <= GLITCH_ROWS {
+            edges = &rest[1..];
+            if back - away > SPIKE_ROWS {
+                found.push((*away, back - 1, size));
+            }
+        }
+    }
+    found
 }
 
 /// First and last row of each spike that leaps by more than so much and back, and its leap.

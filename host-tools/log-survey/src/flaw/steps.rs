@@ -21,7 +21,7 @@ const RESOLUTIONS: f64 = 4.0;
 /// and this many times whatever is like one near it.
 const FURTHER: f64 = 4.0;
 /// A displacement is behind its voltage by so many s at most.
-const LATE_S: f64 = 0.05;
+pub(crate) const LATE_S: f64 = 0.05;
 /// So many leaps that are alike are the actuator's, as of one that sticks and slips, or a simulated one of few relays.
 const MANY: usize = 5;
 /// Those are like a leap that are this part of it or more.

@@ -42,6 +42,7 @@ fn devices_of_other_classes_have_none_either() {
             Waveform::Triangle { amplitude, hertz: 20.0, offset: 0.0 },
             Waveform::Staircase { amplitude, steps: 6, hold_s: 0.1 },
             Waveform::Staircase { amplitude, steps: 1, hold_s: 0.3 },
+            Waveform::Staircase { amplitude, steps: 1, hold_s: 0.01 },
             Waveform::Staircase { amplitude, steps: 40, hold_s: 0.004 },
             Waveform::Multisine { amplitude, from_hz: 1.0, to_hz: 40.0, tones: 12 },
         ] {
