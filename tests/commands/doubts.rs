@@ -81,6 +81,21 @@ fn a_sensor_that_hums_with_the_mains_is_a_doubt_and_one_that_is_loud_is_none() {
 }
 
 #[test]
+fn a_sensor_that_drifts_is_a_grave_doubt() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |name: &str, um: f64| {
+        let drift = move |k: u32| um * f64::from(k) / 4000.0;
+        let path = log(folder.path(), name, COLUMNS, 4000, |k| (sine(k), 0.3 * sine(k) + 0.01 * noise(k) + drift(k)));
+        identified(&path, &["--devices", "0"])
+    };
+    let said = of("drift.csv", 1.5);
+    let first = "When not to trust it:\n- on drift, held out, the error goes by -0.7";
+    assert!(said.contains(first) && said.contains("µm within 10 s, in one direction"), "{said}");
+    assert!(said.contains("Next: mend what the first doubt names"), "{said}");
+    assert!(!of("steady.csv", 0.0).contains("in one direction"));
+}
+
+#[test]
 fn a_table_that_was_learnt_over_a_change_between_what_was_judged_and_the_rest_is_doubted() {
     let folder = tempfile::tempdir().unwrap();
     let of = |name: &str, shift_um: f64| {
@@ -207,8 +222,11 @@ fn a_sensor_s_scale_is_for_the_logs_in_volts_among_others() {
     let out = text(folder.path());
     // They are one recording, which is found once both are read.
     let both = ["identify", text(&truth), "--validate-on", text(&volts), "--sensor", "10um/V", "--out", out];
-    refused(&both, &["sensor_in_volts.csv: holds the samples of the training log"]);
-    refused(&["identify", text(&truth), "--sensor", "10um/V", "--out", out], &["is in um", "leave --sensor out"]);
+    let holds = ["sensor_in_volts.csv: holds the samples of the training log"];
+    refused(&both, &holds);
+    let columns = ["--columns", "time=1,voltage=2,displacement=3:10um/V"];
+    refused(&[&both[..4], &columns, &both[6..]].concat(), &holds);
+    refused(&["identify", text(&truth), "--sensor", "10um/V", "--out", out], &["is in um", "leave the scale out"]);
 }
 
 #[test]

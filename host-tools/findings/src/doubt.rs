@@ -26,7 +26,7 @@ pub fn doubt(doubt: &Doubt) -> String {
              displacement"
         ),
         Doubt::RunsAhead { log, by: Ahead { percent, loops } } => format!(
-            "in {log} {} Then exchange their names in the file's header, or, where it has none, name them in --columns; if they are the right ones, the voltage was read later than the displacement: record both at once",
+            "in {log} {}; if they are the right ones, the voltage was read later than the displacement: record both at once",
             runs_ahead(&Ahead { percent: *percent, loops: *loops })
         ),
         Doubt::AtBound { gene: "delay", value } => format!(
@@ -113,6 +113,11 @@ pub fn doubt(doubt: &Doubt) -> String {
             "on {log}, held out, the estimate is off by a constant {:+.3} µm (creep, drift, or where the \
              session started), which no sensorless estimate can know: set the zero again at rest",
             Micrometres(*offset_um)
+        ),
+        Doubt::Drifts { log, by_um, within_s } => format!(
+            "on {log}, held out, the error goes by {:+.3} µm within {within_s:.0} s, in one direction: the sensor drifts or was moved, or the \
+             actuator or its mount warms up, and some of that may be learnt as creep; let them come to a steady temperature, and record it again",
+            Micrometres(*by_um)
         ),
         Doubt::SinglePrecision { difference_um } => {
             format!(
@@ -219,7 +224,7 @@ fn wide(candidate: &Candidate) -> Option<Doubt> {
 pub fn runs_ahead(Ahead { percent, loops }: &Ahead) -> String {
     format!(
         "the displacement runs ahead of the voltage, by {percent:.1} % of its way on the {loops} slowest loops, as no actuator's does: are \
-         the two columns exchanged?"
+         the two columns exchanged? Then exchange their names in the file's header, or, where it has none, name them in --columns"
     )
 }
 
@@ -334,6 +339,7 @@ mod tests {
             Doubt::Untrained { log: "g".into(), percent: 13.79, first_s: 2.0 },
             Doubt::AtBound { gene: "delay", value: 15.0 },
             Doubt::Drift { log: "h".into(), offset_um: -0.2 },
+            Doubt::Drifts { log: "h".into(), by_um: -0.8, within_s: 16.4 },
             Doubt::SinglePrecision { difference_um: 0.1 },
             Doubt::BeyondTraining {
                 log: "b".into(),

@@ -50,7 +50,10 @@ pub fn flaw_scored(worst: &Flaw, count: usize, repaired: bool) -> String {
         Flaw::Missing { .. } => "the errors above take it for one course",
         Flaw::Step { .. } if repaired => "the errors above take what lies behind it back by that",
         _ if repaired => "the errors above leave it out",
-        _ => "the errors above take it for a measurement",
+        Flaw::Step { .. } => {
+            "the errors above take it for a measurement; --repair takes what lies behind it back by that"
+        }
+        _ => "the errors above take it for a measurement; --repair leaves it out",
     };
     format!("{}: {so}", flaw(worst, count))
 }

@@ -3,7 +3,7 @@
 use crate::figures::row;
 use crate::flaw::flaw_scored;
 use crate::raised::remarks;
-use crate::validated::held;
+use crate::validated::{held, suspicion};
 use identification::validate::{Comparison, Figures, Scope, Suspicion, ToldFigures};
 use log_survey::{Flaw, flaws, gravest};
 use recordings::log::Log;
@@ -147,6 +147,17 @@ pub fn of_log(
     let mut lines = rows(&comparison.name, &comparison.mil, &comparison.told, cold.settled.as_ref());
     lines.extend(said.iter().map(|said| format!("    {said}")));
     lines
+}
+
+/// Why the errors on a log say little of the table: what is no measurement in it before anything else.
+pub fn suspected(comparison: &Comparison, log: &Log, found: &Suspicion, repair: Option<Repair>) -> String {
+    let flawed = || flaws_of(log, comparison.scored_s).iter().any(|(worst, _)| worst.repairable());
+    match repair {
+        None if flawed() => {
+            "what is no measurement in it, named above, may be all that is wrong: judge it with --repair".to_owned()
+        }
+        _ => suspicion(found),
+    }
 }
 
 /// The gravest of each kind of a log's flaws in what was scored, and how many there are of it. Of an estimate none

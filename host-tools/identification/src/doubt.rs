@@ -116,6 +116,15 @@ pub enum Doubt {
         /// Median of estimate − measurement, µm.
         offset_um: f64,
     },
+    /// The error on what was held out grows steadily.
+    Drifts {
+        /// Name of the held-out log on which it grows most.
+        log: String,
+        /// By how much estimate − measurement changes, µm, and
+        by_um: f64,
+        /// within what time, s.
+        within_s: f64,
+    },
     /// The f32 core does not follow the reference.
     SinglePrecision {
         /// Largest difference, µm.
@@ -211,6 +220,7 @@ impl Doubt {
             | Self::PoorFit { .. }
             | Self::LearntWorse { .. }
             | Self::NoBetterThanLine { .. }
+            | Self::Drifts { .. }
             | Self::WideInterval { .. }
             | Self::FewReversals { .. } => 2,
             _ => OTHER,

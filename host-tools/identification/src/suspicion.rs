@@ -31,6 +31,10 @@ const LAG: f64 = 0.1;
 const DRIFT: f64 = 0.5;
 /// A constant offset within this fraction of the stroke is nothing that a zero is set again for.
 const OFFSET: f64 = 1e-3;
+/// An error that grows by more than this fraction of the stroke, and
+const GROWS: f64 = 0.01;
+/// by so many times the rms of what a straight line leaves of it, drifts.
+const STEADY: f64 = 3.0;
 /// f32 may differ from f64 by this fraction of the stroke.
 const SINGLE_PRECISION: f64 = 1e-4;
 
@@ -69,7 +73,8 @@ pub fn doubts(
             }
             let whole = candidate.training_off_um();
             doubts.extend(whole.and_then(|whole_um| worse(whole_um, training_um.max(held_out_um), training.stroke_um)));
-            doubts.extend(drift(judged.held_out.iter().map(|log| (&*log.name, log.mil.offset_um)), &held_out));
+            let offsets = judged.held_out.iter().map(|log| (&*log.name, log.mil.offset_um));
+            doubts.extend(drifts(&judged.held_out, training.stroke_um).or_else(|| drift(offsets, &held_out)));
         }
         _ => doubts.push(Doubt::NothingHeldOut),
     }
@@ -128,6 +133,19 @@ fn drift<'a>(offsets_um: impl Iterator<Item = (&'a str, f64)> + Clone, held_out:
     let (log, offset_um) = offsets_um.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))?;
     (mean_um > (DRIFT * held_out.mae_um).max(OFFSET * held_out.stroke_um))
         .then(|| Doubt::Drift { log: log.to_owned(), offset_um })
+}
+
+/// An error that grows from the beginning of a log to its end by much of the stroke (µm), and by more than what it does
+/// beside. The log with the largest is named.
+fn drifts(logs: &[Comparison], stroke_um: f64) -> Option<Doubt> {
+    let of = |log: &Comparison| {
+        let (by_um, left_um) = log.trace.trend_um()?;
+        let within_s = log.trace.time_s.last()? - log.trace.time_s.first()?;
+        let steady = by_um.abs() > (GROWS * stroke_um).max(STEADY * left_um);
+        steady.then(|| Doubt::Drifts { log: log.name.clone(), by_um, within_s })
+    };
+    let size = |doubt: &Doubt| if let Doubt::Drifts { by_um, .. } = doubt { by_um.abs() } else { 0.0 };
+    logs.iter().filter_map(of).max_by(|a, b| size(a).total_cmp(&size(b)))
 }
 
 /// Whether an error on held-out data is larger than the training's, each beside the logs' own constants, for a stroke;

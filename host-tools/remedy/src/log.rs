@@ -84,7 +84,7 @@ fn fault(fault: &Fault, path: &Path) -> String {
         Fault::NoSensitivity { .. } => {
             format!("{fault}: state it, with the sensor's number for <N>{}", with(&[SENSOR]))
         }
-        Fault::SensitivityOfLength { .. } => format!("{fault}: leave --sensor out"),
+        Fault::SensitivityOfLength { .. } => format!("{fault}: leave the scale out, of --sensor or --columns"),
         Fault::RateContradicted { .. } => format!("{fault}: leave --fs out; if the file is wrong, correct it there"),
         Fault::TwoClaims { example, .. } => format!("{fault}: choose one, as in{}", columns(example)),
         Fault::MissingUnit { example, with_sensor: Some(in_volts), .. } => format!(

@@ -148,7 +148,10 @@ fn started(table: &Admitted, session: &Session, start: f64) -> f64 {
     let mut estimator = Estimator::<f64>::new(table);
     estimator.start_at(start);
     let first = session.rested_v.or(session.voltage.first().copied()).unwrap_or(0.0);
-    estimator.tick_volts(first + f64::from(table.voltage_zero_v)).displacement
+    let voltage = first + f64::from(table.voltage_zero_v);
+    // What a look-ahead makes of the way there is over by the second tick.
+    estimator.tick_volts(voltage);
+    estimator.tick_volts(voltage).displacement
 }
 
 /// The estimates at all instants, in holes of the log, too.

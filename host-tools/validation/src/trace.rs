@@ -37,6 +37,22 @@ impl Trace {
         // The first time is that of the second sample.
         Some(self.time_s[last + 1] - self.time_s[0])
     }
+
+    /// By how much the error changes from the first instant to the last, by the straight line of least squares through
+    /// it, and the rms of what that line leaves, µm; `None` of fewer than three instants.
+    pub fn trend_um(&self) -> Option<(f64, f64)> {
+        let errors = || self.estimated.iter().zip(&self.measured).map(|(estimate, measured)| estimate - measured);
+        let (first, last) = (self.time_s.first()?, self.time_s.last()?);
+        let count = self.time_s.len();
+        let (middle, mean) = (self.time_s.iter().sum::<f64>() / count as f64, errors().sum::<f64>() / count as f64);
+        let [along, together] = self.time_s.iter().zip(errors()).fold([0.0; 2], |[along, together], (time, error)| {
+            [along + (time - middle).powi(2), together + (time - middle) * (error - mean)]
+        });
+        let slope = together / along;
+        let left = self.time_s.iter().zip(errors()).map(|(time, error)| error - mean - slope * (time - middle));
+        let rms = (left.map(|of| of * of).sum::<f64>() / count as f64).sqrt();
+        (count > 2 && along > 0.0).then(|| (slope * (last - first), rms))
+    }
 }
 
 #[cfg(test)]
@@ -51,6 +67,15 @@ mod tests {
             estimated: (0..1000).map(error).collect(),
             measured,
         }
+    }
+
+    #[test]
+    fn a_trend_is_a_line_s_and_a_ripple_is_none() {
+        let ripple = |k: usize| 0.1 * (k as f64 * 0.2).sin();
+        let (by_um, left) = trace(|k| 0.002 * k as f64 + ripple(k)).trend_um().unwrap();
+        assert!((by_um - 1.998).abs() < 0.01 && (left - 0.0707).abs() < 1e-3, "{by_um} {left}");
+        assert!(trace(ripple).trend_um().unwrap().0.abs() < 0.01);
+        assert_eq!(Trace::default().trend_um(), None);
     }
 
     #[test]

@@ -61,7 +61,7 @@ impl LogOptions {
         for path in paths {
             match self.read_by(path, &options) {
                 Err(error) if error.downcast_ref().is_some_and(LogError::is_of_length) => {
-                    logs.push(self.read_by(path, &ReadOptions { sensor: None, ..options.clone() })?);
+                    logs.push(self.read_by(path, &options.clone().of_length())?);
                     of_length.get_or_insert(error);
                 }
                 read => {

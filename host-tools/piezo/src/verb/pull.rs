@@ -51,7 +51,7 @@ pub fn run(arguments: &Pull) -> Result<bool> {
             json!({ "written": arguments.out, "source": identity.source, "checksum": checksum, "table": *table });
         out(&serde_json::to_string_pretty(&summary)?);
     } else {
-        out(&format!("{}  {} bytes, checksum {checksum}", arguments.out.display(), record.len()));
+        out(&format!("{}  binary record of {} bytes, checksum {checksum}", arguments.out.display(), record.len()));
         describe(&table).iter().for_each(|line| out(line));
     }
     Ok(true)

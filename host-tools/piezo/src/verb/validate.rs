@@ -7,9 +7,9 @@ use crate::option::{LogOptions, Overwrite, PrepareAgain, ScopeArgs, TOLD, choice
 use crate::output;
 use anyhow::{Context, Result};
 use clap::Args;
+use findings::EXPLAINED;
 use findings::figures::heading;
-use findings::validated_log::{Repair, log_json, of_log, rows, trained_on};
-use findings::{EXPLAINED, suspicion};
+use findings::validated_log::{Repair, log_json, of_log, rows, suspected, trained_on};
 use identification::validate::{Estimates, Figures, Scope, Suspicion, Told, ToldFigures, compare_within, estimates};
 use log_survey::{flaws, measured};
 use recordings::prepare::Recipe;
@@ -144,8 +144,8 @@ pub fn run(arguments: &Validate) -> Result<bool> {
     if let Some(path) = &arguments.out {
         out(&format!("\nWritten: {} (f32, {})", path.display(), told));
     }
-    for (comparison, found) in comparisons.iter().zip(&suspicions) {
-        found.iter().for_each(|found| out(&format!("\n{}: {}", comparison.name, suspicion(found))));
+    for (((of, log), found), repair) in comparisons.iter().zip(&logs).zip(&suspicions).zip(&repairs) {
+        found.iter().for_each(|found| out(&format!("\n{}: {}", of.name, suspected(of, log, found, *repair))));
     }
     let limit = |limit: Option<f64>, unit: &str| limit.map_or(String::new(), |limit| format!(" {limit} {unit}"));
     if !passed {

@@ -32,6 +32,18 @@ pub struct ReadOptions {
     pub voltage_required: bool,
 }
 
+impl ReadOptions {
+    /// The same for a displacement that is one already: without a sensor's scale.
+    #[must_use]
+    pub fn of_length(mut self) -> Self {
+        self.sensor = None;
+        if let Some(displacement) = self.columns.as_mut().and_then(|columns| columns.displacement.as_mut()) {
+            displacement.sensor = None;
+        }
+        self
+    }
+}
+
 impl Default for ReadOptions {
     /// Nothing stated, voltage and displacement required.
     fn default() -> Self {
