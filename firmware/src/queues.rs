@@ -8,7 +8,7 @@ use protocol::{Mode, Playback, Sample};
 /// What the link tells the tick.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Command {
-    /// Change the mode and start anew.
+    /// Change the mode; the estimate goes on where both modes measure.
     SetMode(Mode),
     /// Play the waveform that has been loaded, in [`Mode::Waveform`].
     Play(Playback),

@@ -35,22 +35,43 @@ impl Stride {
     pub const fn ticks(self, from: u16, to: u16) -> u32 {
         (from.abs_diff(to) as u32 * 65_536).div_ceil(self.get())
     }
+}
 
-    /// `to`, limited to one stride from `from`, plus `more` for what rounding makes of both.
+/// What goes where the DAC is wanted, by a stride a tick and no more.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Slewed {
+    /// 65,536ths of a part.
+    at: u32,
+}
+
+impl Slewed {
+    /// At what the DAC is given.
+    pub const fn at(DacParts(parts): DacParts) -> Self {
+        Self { at: (parts as u32) << 16 }
+    }
+
+    /// What the DAC is given there.
+    pub const fn given(self) -> DacParts {
+        DacParts((self.at >> 16) as u16)
+    }
+
+    /// One tick. What is returned is `to` itself within so many parts, which rounding makes of a stride: a command that
+    /// keeps the slew rate passes as it is, and one that is further away is come to at the slew rate.
     #[inline]
-    pub fn limit(self, DacParts(from): DacParts, DacParts(to): DacParts, more: u16) -> DacParts {
-        // Of a jump it is the whole range.
-        let most = ((self.get() >> 16) as u16).saturating_add(more);
-        DacParts(to.clamp(from.saturating_sub(most), from.saturating_add(most)))
+    pub fn step(&mut self, to: DacParts, stride: Stride, rounding: u16) -> DacParts {
+        let Self { at: wanted } = Self::at(to);
+        let stride = stride.get();
+        self.at = wanted.clamp(self.at.saturating_sub(stride), self.at.saturating_add(stride));
+        let (DacParts(at), DacParts(to)) = (self.given(), to);
+        DacParts(to.clamp(at.saturating_sub(rounding), at.saturating_add(rounding)))
     }
 }
 
 /// What the DAC is given on the way, one a tick, the last for its safe code.
 #[derive(Clone, Debug)]
 pub struct Ramp {
-    /// 65,536ths of a part, as below.
-    at: u32,
-    safe: u32,
+    at: Slewed,
+    safe: DacParts,
     stride: Stride,
     done: bool,
 }
@@ -58,8 +79,7 @@ pub struct Ramp {
 impl Ramp {
     /// From what it is given to what it is given for its safe code.
     pub fn new(from: DacParts, safe: DacParts, stride: Stride) -> Self {
-        let fine = |DacParts(parts)| u32::from(parts) << 16;
-        Self { at: fine(from), safe: fine(safe), stride, done: false }
+        Self { at: Slewed::at(from), safe, stride, done: false }
     }
 }
 
@@ -70,10 +90,9 @@ impl Iterator for Ramp {
         if self.done {
             return None;
         }
-        let stride = self.stride.get();
-        self.at = self.safe.clamp(self.at.saturating_sub(stride), self.at.saturating_add(stride));
-        self.done = self.at == self.safe;
-        Some(DacParts((self.at >> 16) as u16))
+        let given = self.at.step(self.safe, self.stride, 0);
+        self.done = self.at == Slewed::at(self.safe);
+        Some(given)
     }
 }
 
@@ -82,14 +101,38 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_within_the_stride_is_reached_and_what_is_beyond_is_not() {
-        let stride = Stride::of(20.48);
-        for (from, to, limited) in
-            [(100, 120, 120), (100, 121, 121), (100, 122, 121), (100, 0, 79), (5, 0, 0), (5, 9_999, 26)]
-        {
-            assert_eq!(stride.limit(DacParts(from), DacParts(to), 1), DacParts(limited), "{from} to {to}");
+    fn a_command_that_keeps_the_slew_rate_passes_as_it_is_to_within_its_rounding() {
+        for stride in [0.053, 0.5, 1.6, 20.48, 327.3] {
+            let mut slewed = Slewed::at(DacParts(1_000));
+            for tick in 1..60_000 {
+                let exact = f64::from(stride) * f64::from(tick);
+                let wanted = DacParts(1_000 + (exact + f64::from(tick % 3)).min(60_000.0) as u16);
+                assert_eq!(slewed.step(wanted, Stride::of(stride), 4), wanted, "{stride}, tick {tick}");
+            }
         }
-        assert_eq!(Stride::JUMP.limit(DacParts(0), DacParts(65_520), 1), DacParts(65_520));
+    }
+
+    #[test]
+    fn what_is_further_away_is_come_to_at_the_slew_rate_however_slow_it_is() {
+        for (from, to) in [(0, 3_000), (3_000, 0), (65_520, 60_000)] {
+            for stride in [0.053, 1.6, 20.48] {
+                let mut slewed = Slewed::at(DacParts(from));
+                let mut last = from;
+                for tick in 1..=2_000 {
+                    let DacParts(given) = slewed.step(DacParts(to), Stride::of(stride), 4);
+                    let most = stride * tick as f32 + 5.0;
+                    assert!(
+                        f32::from(given.abs_diff(from)) <= most,
+                        "{from} to {to}, {stride}: {given} in {tick} ticks"
+                    );
+                    assert!(f32::from(given.abs_diff(last)) <= stride.ceil() + 5.0, "{from} to {to}: {last}, {given}");
+                    last = given;
+                }
+                assert!(stride < 2.0 || last == to, "{from} to {to}, {stride}: {last}");
+            }
+        }
+        let mut jumps = Slewed::at(DacParts(0));
+        assert_eq!(jumps.step(DacParts(65_520), Stride::JUMP, 4), DacParts(65_520));
     }
 
     #[test]

@@ -1,6 +1,6 @@
-//! What the tick leaves for others to read, and the little that they leave for it: the supply, and whether samples are
-//! streamed. Each value has one writer, the tick or the main loop ([`Telemetry::forget`] excepted), and nothing
-//! interrupts the tick: plain loads and stores are enough.
+//! What the tick leaves for others to read, and the little that they leave for it: the supply, whether samples are
+//! streamed, and when the main loop was last round. Each value has one writer, the tick or the main loop
+//! ([`Telemetry::forget`] excepted), and nothing interrupts the tick: plain loads and stores are enough.
 
 mod bias;
 mod maybe;

@@ -29,8 +29,9 @@
 //! ```
 //!
 //! `examples/ask.rs` is a whole host in some forty lines of code. Requests may be sent again when no reply comes: only
-//! [`Request::Feed`], [`Request::SetZero`] and [`Request::ShiftBias`] do more on the second time, and [`Request::Play`]
-//! where the waveform has ended meanwhile.
+//! [`Request::Feed`], [`Request::SetZero`] and [`Request::ShiftBias`] do more on the second time, [`Request::Play`]
+//! where the waveform has ended meanwhile, [`Request::SetMode`], which begins the mode anew, and [`Request::Reset`],
+//! which resets once more.
 #![cfg_attr(not(test), no_std)]
 
 pub mod faults;

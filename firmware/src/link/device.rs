@@ -193,8 +193,11 @@ impl<F: NorFlash> Device<'_, F> {
         self.chosen.table.as_ref()?.drive.as_ref()
     }
 
-    /// Streaming starts with samples of now and ends with the change of mode.
+    /// Streaming starts with samples of now and ends with the change of mode. One that is asked for again goes on.
     fn stream(&mut self, on: bool) {
+        if on && self.telemetry.streaming.load(Relaxed) {
+            return;
+        }
         self.telemetry.streaming.store(false, Relaxed);
         while self.queues.samples.dequeue().is_some() {}
         self.telemetry.streaming.store(on, Relaxed);

@@ -70,7 +70,7 @@ impl Tick<'_> {
     }
 
     /// What the board does with its pins at the beginning of a tick. `Some(level)` while a waveform is played: set the
-    /// sync pin, which is high while the code of a line's first point is put out, then call [`trigger`](Self::trigger).
+    /// sync pin, which is high from a line's first point until its second, then call [`trigger`](Self::trigger).
     /// `None`: leave both pins alone.
     #[inline]
     pub fn sync(&mut self) -> Option<bool> {

@@ -94,3 +94,18 @@ fn a_set_point_at_an_end_or_one_that_has_stopped_is_a_fault_where_it_matters() {
     let unused = |k| seen((moving(k), GOOD, false, false));
     assert!((0..2 * SETPOINT_STUCK).all(|k| watch.update(unused(k)) == FaultState::Healthy));
 }
+
+/// Else a host that sets the mode again and again could drive an amplifier that does not follow for ever.
+#[test]
+fn a_mode_that_is_set_again_while_it_drives_forgets_nothing_of_an_amplifier_that_goes_astray() {
+    let found = |drives: bool| {
+        let mut watch = Watch::new(FULL);
+        (0..3 * ASTRAY).find(|&k| {
+            if k % (ASTRAY / 2) == 0 {
+                watch.change_mode(drives);
+            }
+            watch.update(seen((moving(k), GOOD, false, true))) != FaultState::Healthy
+        })
+    };
+    assert_eq!((found(true), found(false)), (Some(ASTRAY - 1), None));
+}

@@ -38,7 +38,8 @@ impl Watchdog {
         match offset {
             KR => {
                 self.unlocked = value == 0x5555;
-                if value == 0xCCCC || value == 0xAAAA && self.due != NEVER {
+                // To start one that runs reloads nothing: only 0xAAAA takes what RLR holds.
+                if value == 0xCCCC && self.due == NEVER || value == 0xAAAA && self.due != NEVER {
                     let divider = 4 << self.prescaler.min(6);
                     self.due = now + u64::from(self.reload + 1) * divider * u64::from(CORE_HZ) / LSI_HZ;
                 }
@@ -69,6 +70,8 @@ mod tests {
         }
         // 400 × 8 / 32 kHz = 100 ms
         assert_eq!(watchdog.due, 17_000_000);
+        watchdog.write(KR, 0xCCCC, 5_000_000).unwrap();
+        assert_eq!(watchdog.due, 17_000_000, "it is started once");
         watchdog.write(KR, 0xAAAA, 5_000_000).unwrap();
         assert_eq!(watchdog.due, 22_000_000);
     }

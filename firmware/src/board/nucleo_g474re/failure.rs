@@ -51,7 +51,8 @@ fn panic(info: &PanicInfo<'_>) -> ! {
     // From here on a crystal that stops is no failure of its own, which would end this one before the output is safe.
     RESTING.store(true, Relaxed);
     compiler_fence(SeqCst);
-    // A second panic is one of these steps themselves, as of a log that the first has come amid: it says nothing more.
+    // A second panic is one of these steps themselves, and says nothing more. (Amid a log the first is not told to a
+    // probe, but kept all the same.)
     if !PANICS.swap(true, Relaxed) {
         output_safe();
         // SAFETY: nothing else runs any more.

@@ -70,8 +70,8 @@ const INTERFACE: Interface = Interface { tick_us: TICK_US, adc_full_scale: FULL_
 /// What a tick may take, cycles.
 const ALLOWED: u32 = CORE_HZ / TICK_HZ - sampling::CYCLES - AHEAD;
 const _: () = assert!(100 * ALLOWED >= ALLOWED_PERCENT * (CORE_HZ / TICK_HZ), "tables are admitted that have no time");
-/// Longest that the tick or the main loop may stand still, µs. What takes longest in a start, to wait for the crystal,
-/// is before; a write of the flash lets both go on.
+/// Longest that the tick or the main loop may stand still, µs, from the first tick on; a start has the half second of
+/// the reset values, and a write of the flash lets both go on.
 const WATCHDOG_US: u32 = 200_000;
 
 /// What the converter's interrupt owns.
@@ -185,6 +185,8 @@ async fn main(_spawner: Spawner) {
             let adc = sampling::start(adc, [pa0.degrade_adc(), pa1.degrade_adc(), pb0.degrade_adc()]);
             let (output, ahead) = output::start(dac1, dma, tim7);
             ARMED.lock(|armed| armed.set(Some(Armed { tick, adc, output, marker, valid, trigger_pin, sync })));
+            // The 200 ms are in force from here: to start a dog that runs already reloads nothing.
+            pac::IWDG.kr().write(|w| w.set_key(pac::iwdg::vals::Key::RESET));
             // SAFETY: the handler below is ready, and no critical section masks by priority.
             unsafe { interrupt::ADC1_2.enable() };
             critical_section::with(|_| {

@@ -2,10 +2,10 @@
 //! DMA brings the codes from a ring; their mean is what the tick wants ([`firmware::shaping`]). A low-pass behind the
 //! pin shows the mean.
 //!
-//! **The ring** has two halves, one tick's codes each: the tick fills the half that is not being played. A code reaches
-//! the pin two TIM7 triggers after DMA has fetched it, so TIM7 starts two triggers ahead of TIM6, and a tick's codes
-//! begin less than a microsecond before the next TIM6 trigger. A tick must be done 20 µs before that trigger: one that
-//! is later leaves the ring as it is.
+//! **The ring** has two halves, one tick's codes each: the tick fills the half that is not being played. DMA fetches
+//! a code by one TIM7 trigger, and the next puts it out; so TIM7 starts two triggers ahead of TIM6, and a tick's codes
+//! begin less than a microsecond before the next TIM6 trigger. A tick must be done 20 µs before that trigger: one
+//! that is later leaves the ring as it is.
 //!
 //! **A missed tick** repeats the last two ticks' codes: the output goes back by one tick's change, and forth again. A
 //! drive then goes on from what the pin shows, at its slew rate, wherever the tick's command is meanwhile.
@@ -21,6 +21,7 @@ use embassy_stm32::peripherals::{DAC1, DMA1_CH2, TIM7};
 use embassy_stm32::timer::low_level::Timer;
 use embassy_stm32::triggers::TIM7_TRGO;
 use embassy_stm32::{Peri, bind_interrupts, dma};
+use firmware::ramp::Slewed;
 use firmware::rate::TICK_HZ;
 use firmware::shaping::{DacParts, PARTS, Shaper};
 
@@ -40,7 +41,7 @@ const CODES: u32 = CODES_HZ / TICK_HZ;
 const RING_CODES: u32 = 2 * CODES;
 /// Words of half the ring, two codes each.
 const HALF: usize = CODES as usize / 2;
-/// Triggers of TIM7 from a code's being fetched to its being put out.
+/// Codes that DMA has fetched when a tick's first one goes out: that and the next.
 const FETCHED_AHEAD: u32 = 2;
 /// By so many codes, either way, what DMA has fetched may be beside what TIM6 has counted.
 const SLACK: u32 = 1;
@@ -49,7 +50,7 @@ const LEAD: u32 = CORE_HZ / 1_000_000;
 /// A tick must be done so many cycles before the next trigger: before the first of its codes is fetched, and a
 /// code's time more.
 pub const AHEAD: u32 = 2 * (CORE_HZ / CODES_HZ) + LEAD;
-/// Parts of a code that rounding and the supply's correction may add to a stride.
+/// Parts of a code that rounding and the supply's correction may add to the way that the slew rate has left.
 const ROUNDING: u16 = 4;
 /// DMA1's channel, from 0.
 const CHANNEL: usize = 1;
@@ -60,7 +61,7 @@ static mut RING: [u32; 2 * HALF] = [0; 2 * HALF];
 pub struct Output {
     shaper: Shaper,
     /// What the halves of the ring are filled with.
-    filled: [DacParts; 2],
+    filled: [Slewed; 2],
     /// Counts of TIM6 from trigger to trigger.
     turn: u32,
     /// Dropped, it would stop.
@@ -130,7 +131,7 @@ pub fn start(dac1: Peri<'static, DAC1>, dma: Peri<'static, DMA1_CH2>, tim7: Peri
     // The constructor chooses the trigger and leaves it off.
     dac.set_triggering(true);
     let turn = u32::from(pac::TIM6.arr().read().arr()) + 1;
-    (Output { shaper, filled: [given; 2], turn, _dac: dac }, Ahead(timer))
+    (Output { shaper, filled: [Slewed::at(given); 2], turn, _dac: dac }, Ahead(timer))
 }
 
 impl Output {
@@ -151,9 +152,10 @@ impl Output {
         let now = (began / CODES % 2) as usize;
         let in_time = over < CODES - FETCHED_AHEAD;
         if in_time {
-            let given = TELEMETRY.stride_given().limit(self.filled[now], given, ROUNDING);
-            fill(&mut self.shaper, given, 1 - now);
-            self.filled[1 - now] = given;
+            // From what is being put out, which a tick that was too late may have left behind.
+            let mut next = self.filled[now];
+            fill(&mut self.shaper, next.step(given, TELEMETRY.stride_given(), ROUNDING), 1 - now);
+            self.filled[1 - now] = next;
         }
         match runs && in_phase && !pac::DAC1.sr().read().dmaudr(0) {
             false => Put::Stopped,

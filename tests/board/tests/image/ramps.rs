@@ -210,6 +210,29 @@ fn ticks_that_do_not_come_or_come_late() -> Result<()> {
     Ok(())
 }
 
+/// However slow the core has become, the pin follows ticks that are good, or is at rest before the watchdog bites:
+/// what a fault commands takes less of a tick than what was followed before it.
+#[test]
+fn ticks_that_take_too_long() -> Result<()> {
+    let mut stopped = 0;
+    for clocks in (40..=80).step_by(4) {
+        let (mut bench, start) = driven(DRIVING[1])?;
+        bench.board.slow(f64::from(clocks));
+        bench.board.run(0.5)?;
+        if valid_since(&bench.board, bench.board.clock() - 20 * PERIOD) > 10 {
+            continue;
+        }
+        // At this pace DMA may come for codes that are still being written: then two ticks' change is seen at once.
+        let mut steps = bench.board.record().outputs[start..].windows(2);
+        let most = 2 * STRIDE + 1;
+        assert!(steps.all(|pair| pair[0].code.abs_diff(pair[1].code) <= most), "{clocks} clocks an instruction");
+        assert_eq!(bench.board.output(), Some(REST), "{clocks} clocks an instruction");
+        stopped += 1;
+    }
+    assert!((1..11).contains(&stopped), "{stopped} of 11 were too slow");
+    Ok(())
+}
+
 #[test]
 fn ticks_that_are_done_just_before_their_trigger_or_just_after() -> Result<()> {
     let mut missed = Vec::new();
