@@ -139,13 +139,10 @@ impl Watch {
     }
 
     /// Another mode begins. It ends no fault but that of the set-point, which only one mode follows: what was
-    /// seen of the converter is none of the mode's, and an amplifier that went astray is believed a second after
-    /// it was last driven. One that `drives` goes on with what was seen of the amplifier.
-    pub fn change_mode(&mut self, drives: bool) {
+    /// seen of the converter is none of the mode's, and of an amplifier that went astray a mode that does not drive it
+    /// forgets a tick's worth each tick, as one does that it follows.
+    pub fn change_mode(&mut self) {
         (self.setpoint.last, self.setpoint.same, self.setpoint.saturated) = (None, 0, 0);
-        if !drives {
-            self.astray = 0;
-        }
         self.found.remove(Faults::SETPOINT);
         if self.found.is_empty() {
             self.hold = 0;

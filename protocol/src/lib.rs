@@ -30,7 +30,7 @@
 //!
 //! `examples/ask.rs` is a whole host in some forty lines of code. Requests may be sent again when no reply comes: only
 //! [`Request::Feed`], [`Request::SetZero`] and [`Request::ShiftBias`] do more on the second time, [`Request::Play`]
-//! where the waveform has ended meanwhile, [`Request::SetMode`], which begins the mode anew, and [`Request::Reset`],
+//! where the waveform has ended meanwhile, [`Request::SetMode`], which begins most modes anew, and [`Request::Reset`],
 //! which resets once more.
 #![cfg_attr(not(test), no_std)]
 

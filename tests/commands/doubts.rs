@@ -63,7 +63,6 @@ fn a_model_that_is_no_better_than_a_straight_line_is_doubted_and_led_to_no_board
     );
 }
 
-/// Both halves are alike but for a constant, which each is judged without.
 #[test]
 fn a_sensor_that_hums_with_the_mains_is_a_doubt_and_one_that_is_loud_is_none() {
     let folder = tempfile::tempdir().unwrap();
@@ -95,6 +94,7 @@ fn a_sensor_that_drifts_is_a_grave_doubt() {
     assert!(!of("steady.csv", 0.0).contains("in one direction"));
 }
 
+/// Both halves are alike but for a constant, which each is judged without.
 #[test]
 fn a_table_that_was_learnt_over_a_change_between_what_was_judged_and_the_rest_is_doubted() {
     let folder = tempfile::tempdir().unwrap();

@@ -47,7 +47,7 @@ impl Tick<'_> {
         self.decimation = Streamed::default();
         self.queues.fed.change_mode();
         self.queues.references.change_mode();
-        self.watch.change_mode(mode.drives());
+        self.watch.change_mode();
         if !goes_on {
             self.restart();
         }

@@ -114,7 +114,7 @@ pub fn doubt(doubt: &Doubt) -> String {
              session started), which no sensorless estimate can know: set the zero again at rest",
             Micrometres(*offset_um)
         ),
-        Doubt::Drifts { log, by_um, within_s } => format!(
+        Doubt::Trend { log, by_um, within_s } => format!(
             "on {log}, held out, the error goes by {:+.3} µm within {within_s:.0} s, in one direction: the sensor drifts or was moved, or the \
              actuator or its mount warms up, and some of that may be learnt as creep; let them come to a steady temperature, and record it again",
             Micrometres(*by_um)
@@ -139,7 +139,7 @@ pub fn doubt(doubt: &Doubt) -> String {
             remarks(&[Raised { bit: Status::UNTRAINED, percent: *percent, first_s: *first_s }])
         ),
         Doubt::Hums { log, hum: Hum { hertz, amplitude_um, percent } } => format!(
-            "the error on {log} swings by ±{:.4} µm at {hertz} Hz all the time, {percent:.0} % of its mean square, as mains hum does that the \
+            "the error on {log} swings by ±{:.4} µm at {hertz} Hz most of the time, {percent:.0} % of its mean square, as mains hum does that the \
              sensor's or the monitor's cable picks up: it is in every error that is said here, and no motion; shield the cables, or ground \
              them at one end, and record again",
             Micrometres(*amplitude_um)
@@ -339,7 +339,7 @@ mod tests {
             Doubt::Untrained { log: "g".into(), percent: 13.79, first_s: 2.0 },
             Doubt::AtBound { gene: "delay", value: 15.0 },
             Doubt::Drift { log: "h".into(), offset_um: -0.2 },
-            Doubt::Drifts { log: "h".into(), by_um: -0.8, within_s: 16.4 },
+            Doubt::Trend { log: "h".into(), by_um: -0.8, within_s: 16.4 },
             Doubt::SinglePrecision { difference_um: 0.1 },
             Doubt::BeyondTraining {
                 log: "b".into(),

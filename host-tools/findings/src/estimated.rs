@@ -53,7 +53,7 @@ pub fn estimated(estimates: &Estimates, known: &Known, table_v: Range<f64>, scal
     if let Some(starts_um) = estimates.starts_um {
         lines.push(format!(
             "    at the first sample the model is at {:.3} µm: none of its memories at that voltage is where it was said to start, and what is \
-             beyond is lost. Has the sensor another zero than in the training, or did the actuator still move, or creep from before? --zero-at <S>:<UM> takes any",
+             beyond is lost. Has the sensor another zero than in the training, or was the actuator still moving or creeping when the log began? --zero-at <S>:<UM> takes any",
             Micrometres(starts_um)
         ));
     }

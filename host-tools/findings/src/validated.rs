@@ -36,7 +36,7 @@ pub fn suspicion(suspicion: &Suspicion) -> String {
         ),
         Suspicion::Constant { offset_um, mae_um, without_um } => format!(
             "a constant {:+.3} µm is most of the error of {:.3} µm, and without it {:.3} µm are left: was the sensor \
-             zeroed anew, has it drifted, or did the actuator still move, or creep from before, where the log begins? `--told one-cycle` or `--zero-at <S>`, for <S> a time at which it is known, takes it off",
+             zeroed anew, has it drifted, or was the actuator still moving or creeping when the log began? `--told one-cycle` or `--zero-at <S>`, for <S> a time at which it is known, takes it off",
             Micrometres(*offset_um),
             Micrometres(*mae_um),
             Micrometres(*without_um)

@@ -153,9 +153,10 @@ pub fn of_log(
 pub fn suspected(comparison: &Comparison, log: &Log, found: &Suspicion, repair: Option<Repair>) -> String {
     let flawed = || flaws_of(log, comparison.scored_s).iter().any(|(worst, _)| worst.repairable());
     match repair {
-        None if flawed() => {
-            "what is no measurement in it, named above, may be all that is wrong: judge it with --repair".to_owned()
-        }
+        None if flawed() => format!(
+            "what is no measurement in it, named above, may be all that is wrong: judge it with --repair. If it is not: {}",
+            suspicion(found)
+        ),
         _ => suspicion(found),
     }
 }

@@ -117,7 +117,7 @@ pub enum Doubt {
         offset_um: f64,
     },
     /// The error on what was held out grows steadily.
-    Drifts {
+    Trend {
         /// Name of the held-out log on which it grows most.
         log: String,
         /// By how much estimate − measurement changes, µm, and
@@ -220,7 +220,7 @@ impl Doubt {
             | Self::PoorFit { .. }
             | Self::LearntWorse { .. }
             | Self::NoBetterThanLine { .. }
-            | Self::Drifts { .. }
+            | Self::Trend { .. }
             | Self::WideInterval { .. }
             | Self::FewReversals { .. } => 2,
             _ => OTHER,

@@ -6,6 +6,7 @@ use crate::doubt::{Converter, Doubt, FEW_REVERSALS};
 use crate::validate::statistics::mean;
 use crate::validate::{Baseline, Comparison, Figures, Trace};
 use estimator_core::{AdcCode, DacCode, Parameters, Published, Range};
+use log_survey::reversals::reversals;
 use log_survey::{Character, Hum, hum};
 use std::slice;
 
@@ -31,6 +32,9 @@ const LAG: f64 = 0.1;
 const DRIFT: f64 = 0.5;
 /// A constant offset within this fraction of the stroke is nothing that a zero is set again for.
 const OFFSET: f64 = 1e-3;
+/// Reversals by this part of the voltage's range, of which a log has to have so many for its error to have a trend.
+const SWING: f64 = 0.3;
+const SWINGS: usize = 4;
 /// An error that grows by more than this fraction of the stroke, and
 const GROWS: f64 = 0.01;
 /// by so many times the rms of what a straight line leaves of it, drifts.
@@ -74,7 +78,7 @@ pub fn doubts(
             let whole = candidate.training_off_um();
             doubts.extend(whole.and_then(|whole_um| worse(whole_um, training_um.max(held_out_um), training.stroke_um)));
             let offsets = judged.held_out.iter().map(|log| (&*log.name, log.mil.offset_um));
-            doubts.extend(drifts(&judged.held_out, training.stroke_um).or_else(|| drift(offsets, &held_out)));
+            doubts.extend(trend(&judged.held_out, training.stroke_um).or_else(|| drift(offsets, &held_out)));
         }
         _ => doubts.push(Doubt::NothingHeldOut),
     }
@@ -137,14 +141,16 @@ fn drift<'a>(offsets_um: impl Iterator<Item = (&'a str, f64)> + Clone, held_out:
 
 /// An error that grows from the beginning of a log to its end by much of the stroke (µm), and by more than what it does
 /// beside. The log with the largest is named.
-fn drifts(logs: &[Comparison], stroke_um: f64) -> Option<Doubt> {
+fn trend(logs: &[Comparison], stroke_um: f64) -> Option<Doubt> {
     let of = |log: &Comparison| {
-        let (by_um, left_um) = log.trace.trend_um()?;
+        // A part of a cycle has the course of its own error.
+        let swings = reversals(&log.trace.voltage, SWING * Range::of_values(log.trace.voltage.iter().copied()).span());
+        let (by_um, left_um) = log.trace.trend_um().filter(|_| swings.len() >= SWINGS)?;
         let within_s = log.trace.time_s.last()? - log.trace.time_s.first()?;
         let steady = by_um.abs() > (GROWS * stroke_um).max(STEADY * left_um);
-        steady.then(|| Doubt::Drifts { log: log.name.clone(), by_um, within_s })
+        steady.then(|| Doubt::Trend { log: log.name.clone(), by_um, within_s })
     };
-    let size = |doubt: &Doubt| if let Doubt::Drifts { by_um, .. } = doubt { by_um.abs() } else { 0.0 };
+    let size = |doubt: &Doubt| if let Doubt::Trend { by_um, .. } = doubt { by_um.abs() } else { 0.0 };
     logs.iter().filter_map(of).max_by(|a, b| size(a).total_cmp(&size(b)))
 }
 
@@ -172,7 +178,7 @@ pub(crate) fn no_better(candidate: &Candidate, line: &Baseline) -> Option<Doubt>
 fn hums(logs: &[Comparison]) -> Option<Doubt> {
     let of = |log: &Comparison| {
         let errors: Vec<f64> = log.trace.estimated.iter().zip(&log.trace.measured).map(|(e, m)| e - m).collect();
-        Some((log.name.clone(), hum(&log.trace.time_s, &errors)?))
+        Some((log.name.clone(), hum(&log.trace.time_s, &log.trace.voltage, &errors)?))
     };
     let most = |(_, a): &(String, Hum), (_, b): &(String, Hum)| a.amplitude_um.total_cmp(&b.amplitude_um);
     logs.iter().filter_map(of).max_by(most).map(|(log, hum)| Doubt::Hums { log, hum })

@@ -185,9 +185,10 @@ pub(crate) fn in_rows(voltage: &[f64], displacement: &[f64], start_s: f64, perio
     let mut inside = spikes(displacement, least);
     inside.retain(uncommanded);
     let late = (steps::LATE_S / period) as usize;
-    let apart = |of: &(usize, usize, f64)| inside.iter().all(|spike| spike.1 < of.0 || of.1 < spike.0);
-    let longer = glitches(displacement, least, voltage, stroke / volts, late);
-    let longer: Vec<_> = longer.into_iter().filter(apart).collect();
+    // The way away to one spike and that back from another are no glitch between them.
+    let between = without(displacement, inside.iter().map(|&(first, last, _)| (first, last)));
+    let fine = least.max(steps::RESOLUTIONS * resolution(displacement));
+    let longer = glitches(&between, fine, voltage, stroke / volts, late);
     inside.extend(longer);
     inside.sort_by_key(|&(first, ..)| first);
     let [start, end] = at_ends(displacement, Explained::of(voltage, 0.0, stroke / volts), least);

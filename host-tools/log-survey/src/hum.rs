@@ -24,6 +24,10 @@ const ABOVE: f64 = 16.0;
 /// Least part of the mean square that a hum is worth mentioning at, %.
 const WORTH: f64 = 10.0;
 
+/// A voltage is driven at a frequency that has this part of its mean square; harmonics are looked at up to this one.
+const DRIVEN: f64 = 0.01;
+const FRACTIONS: u32 = 12;
+
 /// A hum in what a model leaves of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Hum {
@@ -35,15 +39,19 @@ pub struct Hum {
     pub percent: f64,
 }
 
-/// The hum in the errors (µm) of a log's readings at these times (s): a line at a frequency of the mains that stands
-/// out from what is beside it, and than which no other from 10 Hz on is stronger, in more than half of the log.
-pub fn hum(times_s: &[f64], errors_um: &[f64]) -> Option<Hum> {
+/// The hum in the errors (µm) of a log's readings at these times (s) and voltages (V): a line at a frequency of the
+/// mains that stands out from what is beside it, and than which no other from 10 Hz on is stronger, in more than half
+/// of the log. Where the voltage is driven at that frequency, or at a whole fraction of it, it is the model's own.
+pub fn hum(times_s: &[f64], voltage: &[f64], errors_um: &[f64]) -> Option<Hum> {
     let count = times_s.len().min(errors_um.len());
     let period = (times_s.get(count.checked_sub(1)?)? - times_s[0]) / (count.max(2) - 1) as f64;
     let highest = (HIGHEST / period).min(f64::from(MAINS[3] + BESIDE)) as u32;
     let mains = || MAINS.into_iter().filter(|hertz| hertz + BESIDE <= highest);
     mains().next()?;
     let readings = (BLOCK_S / period).round() as usize;
+    let driven = blocks(times_s, voltage, readings, period);
+    let part = |hertz: u32| median(&driven, |block| block.power(hertz)) / median(&driven, |block| block.mean_square);
+    let drives = |hertz: u32| (1..=FRACTIONS).any(|of| hertz.is_multiple_of(of) && part(hertz / of) > DRIVEN);
     let blocks = blocks(times_s, errors_um, readings, period);
     let powers: Vec<f64> = (LOWEST..=highest).map(|hertz| median(&blocks, |block| block.power(hertz))).collect();
     let at = |hertz: u32| powers[(hertz - LOWEST) as usize];
@@ -54,7 +62,7 @@ pub fn hum(times_s: &[f64], errors_um: &[f64]) -> Option<Hum> {
         let others = (LOWEST..=highest).filter(|other| !other.is_multiple_of(hertz) && other.abs_diff(hertz) > WIDE);
         let strongest = others.map(at).fold(0.0, f64::max);
         let percent = 100.0 * power / mean_square;
-        let found = power > ABOVE * beside && power > strongest && percent > WORTH;
+        let found = power > ABOVE * beside && power > strongest && percent > WORTH && !drives(hertz);
         found.then(|| Hum { hertz, amplitude_um: (2.0 * power).sqrt(), percent })
     })
 }
@@ -63,12 +71,12 @@ pub fn hum(times_s: &[f64], errors_um: &[f64]) -> Option<Hum> {
 struct Block<'a> {
     times_s: &'a [f64],
     windowed: Vec<f64>,
-    /// Of the errors about their mean, µm².
+    /// Of the values about their mean.
     mean_square: f64,
 }
 
 impl Block<'_> {
-    /// The mean square of the part at a frequency, µm².
+    /// The mean square of the part at a frequency.
     fn power(&self, hertz: u32) -> f64 {
         let (cos, sin) = self.times_s.iter().zip(&self.windowed).fold((0.0, 0.0), |(cos, sin), (time, value)| {
             let (s, c) = (TAU * f64::from(hertz) * (time - self.times_s[0])).sin_cos();
@@ -80,25 +88,25 @@ impl Block<'_> {
 }
 
 /// Blocks of so many readings, evenly over the log; none where there are too few.
-fn blocks<'a>(times_s: &'a [f64], errors_um: &[f64], readings: usize, period: f64) -> Vec<Block<'a>> {
+fn blocks<'a>(times_s: &'a [f64], values: &[f64], readings: usize, period: f64) -> Vec<Block<'a>> {
     let whole = |times: &[f64]| {
         let long = times[times.len() - 1] - times[0];
         long <= (1.0 + MISSING) * (times.len() - 1) as f64 * period
     };
-    let pairs = times_s.chunks_exact(readings).zip(errors_um.chunks_exact(readings));
+    let pairs = times_s.chunks_exact(readings).zip(values.chunks_exact(readings));
     let all: Vec<_> = pairs.filter(|(times, _)| whole(times)).collect();
     if all.len() < BLOCKS[0] {
         return Vec::new();
     }
     let every = all.len().div_ceil(BLOCKS[1]);
-    let block = |(times_s, errors): (&'a [f64], &[f64])| {
-        let mean = errors.iter().sum::<f64>() / readings as f64;
-        let about = || errors.iter().map(move |error| error - mean);
+    let block = |(times_s, values): (&'a [f64], &[f64])| {
+        let mean = values.iter().sum::<f64>() / readings as f64;
+        let about = || values.iter().map(move |value| value - mean);
         let hann = |at: usize| 0.5 - 0.5 * (TAU * at as f64 / readings as f64).cos();
         Block {
             times_s,
-            windowed: about().enumerate().map(|(at, error)| hann(at) * error).collect(),
-            mean_square: about().map(|error| error * error).sum::<f64>() / readings as f64,
+            windowed: about().enumerate().map(|(at, value)| hann(at) * value).collect(),
+            mean_square: about().map(|value| value * value).sum::<f64>() / readings as f64,
         }
     };
     all.into_iter().step_by(every).map(block).collect()
@@ -130,9 +138,18 @@ mod tests {
         (times, errors)
     }
 
+    /// Of a drive of 1 Hz.
     fn found(hertz: f64, sines: &[(f64, f64)]) -> Option<Hum> {
+        found_at(1.0, hertz, sines)
+    }
+
+    fn found_at(drive_hz: f64, hertz: f64, sines: &[(f64, f64)]) -> Option<Hum> {
         let (times, errors) = recorded(hertz, sines);
-        hum(&times, &errors)
+        hum(&times, &driven(&times, drive_hz), &errors)
+    }
+
+    fn driven(times: &[f64], hertz: f64) -> Vec<f64> {
+        times.iter().map(|time| 20.0 * (TAU * hertz * time).sin()).collect()
     }
 
     #[test]
@@ -154,15 +171,17 @@ mod tests {
         for drive in [1.0, 2.0, 5.0, 10.0, 20.0, 25.0] {
             let odd: Vec<(f64, f64)> = (0..10).map(|k| f64::from(2 * k + 1)).map(|k| (k * drive, 0.02 / k)).collect();
             let all: Vec<(f64, f64)> = (1..20).map(f64::from).map(|k| (k * drive, 0.02 / k)).collect();
-            assert_eq!((found(1000.0, &odd), found(1000.0, &all)), (None, None), "{drive} Hz");
+            assert_eq!((found_at(drive, 1000.0, &odd), found_at(drive, 1000.0, &all)), (None, None), "{drive} Hz");
         }
+        assert_eq!(found_at(50.0, 1000.0, &[(50.0, 0.02), (150.0, 0.007)]), None, "a drive of 50 Hz");
+        assert_eq!(found_at(20.0, 1000.0, &[(20.0, 0.005), (60.0, 0.02)]), None, "its third harmonic");
         assert_eq!(found(1000.0, &[(50.0, 0.003), (37.0, 0.004)]), None, "another line is stronger");
         assert_eq!(found(1000.0, &[(1.0, 0.05), (50.0, 0.003)]), None, "a little of the error");
         assert_eq!(found(100.0, &[(50.0, 0.003)]), None, "too near half the readings' frequency");
         let (times, errors) = recorded(1000.0, &[(50.0, 0.003)]);
-        assert!(hum(&times[..4500], &errors[..4500]).is_none(), "too short");
-        assert_eq!(hum(&[], &[]), None);
-        assert_eq!(hum(&[0.0], &[0.0]), None);
+        assert!(hum(&times[..4500], &driven(&times, 1.0), &errors[..4500]).is_none(), "too short");
+        assert_eq!(hum(&[], &[], &[]), None);
+        assert_eq!(hum(&[0.0], &[0.0], &[0.0]), None);
     }
 
     #[test]
@@ -172,7 +191,7 @@ mod tests {
         let of = |values: Vec<f64>| {
             values.into_iter().enumerate().filter(|(at, _)| kept(*at)).map(|(_, x)| x).collect::<Vec<_>>()
         };
-        let hum = hum(&of(times), &of(errors)).unwrap();
+        let hum = hum(&of(times.clone()), &of(driven(&times, 1.0)), &of(errors)).unwrap();
         assert_eq!(hum.hertz, 50);
     }
 }

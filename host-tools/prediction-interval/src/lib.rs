@@ -39,8 +39,8 @@ const CERTAIN: f64 = 2.0;
 /// What no log can tell a model to be off less than, of the stroke.
 const LEAST: f64 = 0.004;
 /// Part of the half-width that is there always by which plays have to be off from where they stood in a training of
-/// several amplitudes to count as untrained: with less the ± is not an eighth wider there. Of others than a single
-/// amplitude nothing is known.
+/// several amplitudes to count as untrained: that alone makes the ± some 12 % wider. A training of one amplitude says
+/// nothing of any other, so there they count at once.
 const WIDER: f32 = 0.5;
 /// A displacement may be told once so many lags and delays have gone by since the start.
 const LAGS: f64 = 5.0;

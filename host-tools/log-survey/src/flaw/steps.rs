@@ -17,7 +17,7 @@ const LEAST: f64 = 0.03;
 /// so many deviations of the noise,
 const DEVIATIONS: f64 = 8.0;
 /// so many times the least step between two rows, for a coarse sensor does nothing but step,
-const RESOLUTIONS: f64 = 4.0;
+pub(crate) const RESOLUTIONS: f64 = 4.0;
 /// and this many times whatever is like one near it.
 const FURTHER: f64 = 4.0;
 /// A displacement is behind its voltage by so many s at most.
@@ -185,5 +185,13 @@ mod tests {
             let displacement: Vec<f64> = voltage.iter().map(|v| (0.1 * v / step_um).round() * step_um).collect();
             assert!(!has_steps(&voltage, &displacement), "{step_um} µm");
         }
+    }
+
+    /// The uppermost of its levels is left in one row and another, as a glitch is.
+    #[test]
+    fn the_levels_of_a_coarse_sensor_are_no_glitches() {
+        let voltage: Vec<f64> = (0..8_000).map(|row| 20.0 * libm::sin(f64::from(row) * 0.012_566)).collect();
+        let displacement: Vec<f64> = voltage.iter().map(|v| (0.023 * v / 0.1).round() * 0.1).collect();
+        assert_eq!(in_rows(&voltage, &displacement, 0.0, 1e-3), []);
     }
 }

@@ -64,6 +64,19 @@ fn spikes_are_found_one_by_one() {
     assert!(found.iter().all(|flaw| matches!(flaw, Flaw::Spike { leap_um, .. } if (leap_um - 20.0).abs() < 1.0)));
 }
 
+/// At a crest each of two spikes has a step that is steeper than what is beside it.
+#[test]
+fn what_lies_between_two_spikes_is_sound() {
+    let voltage: Vec<f64> = (0..4_000).map(|row| 20.0 - 20.0 * (f64::from(row) * 0.003_141_6).cos()).collect();
+    let noise = |row: usize| 0.002 * f64::from([1, -1, 0, 1, -1, 1, 0][row % 7]);
+    let spike = |row: usize| if [980, 1_020, 3_000, 3_040, 3_080].contains(&row) { 2.0 } else { 0.0 };
+    let displacement: Vec<f64> = voltage.iter().enumerate().map(|(row, v)| 0.3 * v + noise(row) + spike(row)).collect();
+    let found = in_rows(&voltage, &displacement, 0.0, 5e-4);
+    let rows: Vec<usize> = found.iter().map(|flaw| (flaw.at().from_s / 5e-4).round() as usize).collect();
+    assert_eq!(rows, [980, 1_020, 3_000, 3_040, 3_080], "{found:?}");
+    assert!(found.iter().all(|flaw| flaw.at().from_s == flaw.at().to_s), "{found:?}");
+}
+
 /// As a last line cut in mid-number has it.
 #[test]
 fn a_leap_at_either_end_need_not_come_back() {
