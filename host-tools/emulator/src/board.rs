@@ -17,6 +17,7 @@ use firmware::{Chip, Facts, Peripherals, Resources, Telemetry, Tick};
 use parameter_store::StoreError;
 use protocol::{ResetCause, Uid};
 use std::ops::Range;
+use std::sync::atomic::Ordering::Relaxed;
 
 /// Counts of the emulated cycle counter in a second; a count is a nanosecond.
 const CYCLES_HZ: u32 = 1_000_000_000;
@@ -107,7 +108,8 @@ pub(crate) fn facts(reset: ResetCause, restarts: Restarts, uid: Uid, has_setpoin
 }
 
 /// Waits for the tick to be started, then calls it as often as the time that has passed demands. Ticks that this
-/// machine had no time for are not made up for: the emulated time has then stood still.
+/// machine had no time for are not made up for: the emulated time has then stood still. While a tick finds no
+/// reference, the emulated time is no faster than the host's, which has the second that a real board waits for it.
 async fn ticks(
     started: &Signal<NoopRawMutex, Tick<'_>>,
     telemetry: &Telemetry,
@@ -115,7 +117,7 @@ async fn ticks(
     speed: f64,
 ) -> std::convert::Infallible {
     let mut tick = started.wait().await;
-    let rate = speed * f64::from(TICK_HZ);
+    let mut starving = false;
     let mut cycles = 0u32;
     // The DAC puts a code out from the tick after the one that computed it; the plant answers it from the
     // tick after that.
@@ -124,9 +126,10 @@ async fn ticks(
     let (mut looked, mut due) = (Instant::now(), 0.0);
     loop {
         let now = Instant::now();
+        let rate = f64::from(TICK_HZ) * if starving { speed.min(1.0) } else { speed };
         due = (due + rate * (now - looked).as_micros() as f64 / 1e6).min(2.0 * MOST_TICKS);
         looked = now;
-        let mut left = MOST_TICKS;
+        let (mut left, starved) = (MOST_TICKS, telemetry.starved.load(Relaxed));
         while due >= 1.0 && left >= 1.0 {
             let conversion = plant.sample(put_out);
             put_out = computed;
@@ -135,6 +138,9 @@ async fn ticks(
             cycles = cycles.wrapping_add(CYCLES_HZ / TICK_HZ);
             due -= 1.0;
             left -= 1.0;
+        }
+        if left < MOST_TICKS {
+            starving = telemetry.starved.load(Relaxed) != starved && !telemetry.holding.load(Relaxed);
         }
         if due >= 1.0 {
             yield_now().await;

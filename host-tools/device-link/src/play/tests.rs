@@ -143,6 +143,26 @@ fn a_line_that_hesitates_starves_the_drive_and_the_device_counts_it() {
 }
 
 #[test]
+fn an_emulated_device_in_a_hurry_waits_for_a_busy_host_as_long_as_a_board_does() {
+    let flash = RamFlash::new(pages::with(&to_record(&driving()), 4096).unwrap());
+    let device = Emulator::new().flash(flash).plant(amplifier(DRIVE, TABLE.adc)).speed(16.0).start().unwrap();
+    let (mut client, _) = Client::connect(&device.address().into()).unwrap();
+    let wave = wave();
+    let of = Play { mode: Mode::Follow, goes_on: None, references: &wave, hold: true, ticks: 1000 };
+    let mut taken = 0;
+    let played = play(&mut client, &of, &Interrupt::default(), &mut |_| {
+        taken += 1;
+        // Six seconds of the device's, had it not waited.
+        if taken == 300 {
+            std::thread::sleep(Duration::from_millis(400));
+        }
+        true
+    })
+    .unwrap();
+    assert!(played.starved > 0 && played.stopped.is_empty(), "{played:?}");
+}
+
+#[test]
 fn a_host_that_is_kept_from_sending_while_the_samples_of_all_ticks_arrive_is_told_of_those_that_starved() {
     // Three replies are lost when 640 references are taken, and with them 60 ms each, 240 ticks at this pace: more than
     // the device's queue lasts, and than are left of those that are wanted.
