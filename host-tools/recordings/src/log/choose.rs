@@ -231,12 +231,16 @@ impl Chooser<'_> {
     }
 
     pub(super) fn guess(&self) -> Channels {
-        guess::channels(
+        let guess = guess::channels(
             &self.table.columns,
             self.labels,
             self.table.sample_time.is_none(),
             self.options.voltage_required,
-        )
+        );
+        match self.options.displacement {
+            Need::Ignored => Channels { displacement: None, ..guess },
+            Need::Required | Need::Optional => guess,
+        }
     }
 
     /// The likely columns as they are stated; where volts can be the sensor's, with a place for its scale.
