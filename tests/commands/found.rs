@@ -43,6 +43,22 @@ fn a_last_line_cut_in_mid_number_is_found_and_repair_says_how_much_it_left_out()
     assert!(repaired.contains(&format!("\nLeft out: {sentence}\n")), "{repaired}");
 }
 
+#[test]
+fn every_log_is_looked_at_though_one_cannot_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let (missing, page) = (folder.path().join("missing.csv"), folder.path().join("page.html"));
+    let logs = ["look", text(&missing), MEASURED, "--out", text(&page)];
+    let output = piezo().args(logs).output().unwrap();
+    let (said, why) = (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
+    assert!(said.contains("8027 rows") && !said.contains("Next:"), "{said}");
+    assert!(why.contains("missing.csv: no such file") && why.contains("1 of the 2 logs could not be read"), "{why}");
+    assert_eq!((output.status.code(), page.exists()), (Some(2), false));
+    let output = piezo().args(["look", "--json", text(&missing), MEASURED]).output().unwrap();
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(found[0]["survey"].is_null() && found[0]["refusal"].as_str().unwrap().contains("no such file"), "{found}");
+    assert_eq!((&found[1]["survey"]["rows"], output.status.code()), (&8027.into(), Some(2)));
+}
+
 /// The unit was asked for first, which is right, and nothing that could be pasted left the spike out.
 #[test]
 fn a_spike_is_the_first_doubt_and_the_next_line_leaves_it_out() {

@@ -131,7 +131,7 @@ fn look_hides_no_refusal_and_its_remedy_reads_the_refused_log_alone() {
     let plain = log("plain.csv", "", &row);
     let output = piezo().args(["look", &named, &plain]).output().unwrap();
     let told = String::from_utf8(output.stderr).unwrap();
-    let line = told.lines().last().unwrap();
+    let line = told.lines().find(|line| line.contains("--columns")).unwrap();
     assert!(line.contains("plain.csv") && !line.contains("named.csv"), "{told}");
     let swapped = "time=1:s,voltage=2:V,displacement=3:um";
     super::refused(

@@ -44,4 +44,4 @@ pub use short::counted;
 pub use surveyed::{remarked, surveyed};
 pub use table_file::{bring_to, table_file};
 pub use unsaid::{hold_out, model};
-pub use validated::EXPLAINED;
+pub use validated::{explained, failed};

@@ -1,16 +1,34 @@
 //! What a table's errors on a log are, and whether they say anything of the table, in words.
 
 use crate::micrometres::Micrometres;
-use identification::validate::{Coverage, Evidence, Since, Suspicion};
+use identification::validate::{Coverage, Evidence, Since, Suspicion, Told};
 
 /// What the lines of a validation are.
-pub const EXPLAINED: &str = "\
+const EXPLAINED: &str = "\
 Simulation from each log's first sample, by the f64 reference (MIL) and the f32 core of the target (SIL).
 MIL, SIL         told the sensor's first reading, which the model starts from; a constant that the sensor is off by stays
 cold             told nothing, as a device that is switched on: at rest for long at the first voltage
 settled          the same from where reversals lie half of the table's voltage range apart
 one cycle        cold; its mean error over the voltage's first full cycle is taken off, what follows is scored
 no offset        cold; its own mean error over all that is scored is taken off, which no device knows beforehand";
+
+/// What the lines of a validation are, and from where on what follows is scored.
+pub fn explained(zero_at_s: Option<f64>, told: Told) -> Vec<String> {
+    let zeroed = |at| {
+        format!(
+            "Zeroed at {at} s: the mean error of the 50 ms up to there is taken off; what follows is scored, {told}."
+        )
+    };
+    [EXPLAINED.to_owned()].into_iter().chain(zero_at_s.map(zeroed)).collect()
+}
+
+/// That a threshold was exceeded: the mean absolute error that is judged, µm and % of the stroke, and the most of each
+/// that was allowed.
+pub fn failed((um, percent): (f64, f64), (most_um, most_percent): (Option<f64>, Option<f64>)) -> String {
+    let limit = |limit: Option<f64>, unit: &str| limit.map_or(String::new(), |limit| format!(" {limit} {unit}"));
+    let (most_um, most_percent) = (limit(most_um, "µm"), limit(most_percent, "%"));
+    format!("FAILED: {um:.4} µm, {percent:.2} % of the stroke; allowed:{most_um}{most_percent}")
+}
 
 /// Of an interval that holds less often, %, no constant is said to do as well.
 const HALF: f64 = 50.0;

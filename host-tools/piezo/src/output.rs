@@ -1,7 +1,7 @@
 //! Where a verb's results go: never over what it reads, and to standard output for as long as somebody reads there.
 
 use crate::option::Overwrite;
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, ensure};
 use result_files::may_be_replaced;
 pub use result_files::{Held, Replacement, write};
 use std::io::Write;
@@ -22,6 +22,12 @@ impl Overwrite {
             path.display()
         );
         Ok(())
+    }
+
+    /// The same, and refuses a folder in the file's place, and to write over what is read.
+    pub fn of_inputs<P: AsRef<Path>>(self, path: &Path, by: &str, inputs: impl IntoIterator<Item = P>) -> Result<()> {
+        not_over(path, inputs)?;
+        self.of(path, by)
     }
 
     /// Refuses to write over what was measured once: nobody can measure it again.
@@ -47,16 +53,19 @@ impl Overwrite {
 }
 
 /// Refuses a folder in a file's place, and to write over what is read.
-pub fn not_over(path: &Path, inputs: &[&Path]) -> Result<()> {
+fn not_over<P: AsRef<Path>>(path: &Path, inputs: impl IntoIterator<Item = P>) -> Result<()> {
     ensure!(!path.is_dir(), "{}: is a folder, --out names a file", path.display());
-    let same =
-        |input: &&&Path| path.canonicalize().is_ok_and(|path| input.canonicalize().is_ok_and(|input| path == input));
-    match inputs.iter().find(same) {
-        Some(input) => {
-            bail!("{}: --out would overwrite {}, which is read: name another file", path.display(), input.display())
-        }
-        None => Ok(()),
+    for input in inputs {
+        let input = input.as_ref();
+        let same = path.canonicalize().is_ok_and(|path| input.canonicalize().is_ok_and(|input| path == input));
+        ensure!(
+            !same,
+            "{}: --out would overwrite {}, which is read: name another file",
+            path.display(),
+            input.display()
+        );
     }
+    Ok(())
 }
 
 /// Holds a folder for results, made where there is none, until what comes is written; refuses one that is a file, that

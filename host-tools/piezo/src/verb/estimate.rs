@@ -55,9 +55,8 @@ pub struct Estimate {
 /// Runs the verb.
 pub fn run(arguments: &Estimate) -> Result<bool> {
     let path = &arguments.out;
-    let logs = arguments.logs.iter().map(PathBuf::as_path);
-    output::not_over(path, &logs.chain([arguments.table.as_path()]).collect::<Vec<_>>())?;
-    arguments.overwrite.of(path, Estimates::UNMEASURED_HEADING)?;
+    let inputs = arguments.logs.iter().chain([&arguments.table]);
+    arguments.overwrite.of_inputs(path, Estimates::UNMEASURED_HEADING, inputs)?;
     let (file, table) = look_at(&arguments.table)?;
     let recipe = arguments.prepare.instead_of(file.recipe);
     let known = match (arguments.start_at, arguments.zero_at) {

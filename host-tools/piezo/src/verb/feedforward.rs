@@ -4,7 +4,7 @@ use super::device::look_at;
 use super::print::out;
 use crate::option::{LogOptions, Overwrite};
 use crate::option::{not_negative, span};
-use crate::output::{self, Replacement};
+use crate::output::Replacement;
 use ::calibration::drive::{identified_on, planned, trained_on};
 use ::calibration::span::Span;
 use ::feedforward::{Plan, Trajectory, approach, near, plan, reach};
@@ -57,8 +57,8 @@ pub struct Feedforward {
 pub fn run(arguments: &Feedforward) -> Result<bool> {
     let (_, table) = look_at(&arguments.table)?;
     let trajectory = arguments.log.read_trajectory(&arguments.trajectory)?;
-    output::not_over(&arguments.out, &[&arguments.table, &arguments.trajectory])?;
-    arguments.overwrite.of(&arguments.out, "time_s,voltage_V,estimated_displacement_um\n")?;
+    let heading = "time_s,voltage_V,estimated_displacement_um\n";
+    arguments.overwrite.of_inputs(&arguments.out, heading, [&arguments.table, &arguments.trajectory])?;
     let limits = stated(arguments, &table)?;
     let tick_s: f64 = table.sample_period();
     let wanted = Trajectory::of(&trajectory, tick_s);

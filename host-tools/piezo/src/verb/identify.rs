@@ -15,7 +15,7 @@ use recordings::Role;
 use recordings::prepare::Recipe;
 use report::{Mark, Report, Zeroed};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use table_files::TableFile;
 
 /// What its results name as their maker.
@@ -84,8 +84,7 @@ pub fn run(arguments: &mut Identify) -> Result<bool> {
         return identify(arguments, &folder, missing, None);
     };
     let folder = output::to_folder(&arguments.out)?;
-    output::not_over(&path, &inputs(arguments))?;
-    arguments.overwrite.of(&path, UNIT.1)?;
+    arguments.overwrite.of_inputs(&path, UNIT.1, inputs(arguments))?;
     let mut run = Run::new(&arguments.out, unit, TOOL.to_owned());
     let fit = opened.and_then(|missing| identify(arguments, &folder, missing, Some(&mut run)));
     let (exit_code, error) = match &fit {
@@ -102,8 +101,8 @@ pub fn run(arguments: &mut Identify) -> Result<bool> {
 }
 
 /// The files that the command reads.
-fn inputs(arguments: &Identify) -> Vec<&Path> {
-    arguments.fitting.logs.iter().chain(&arguments.fitting.validate_on).map(PathBuf::as_path).collect()
+fn inputs(arguments: &Identify) -> impl Iterator<Item = &PathBuf> {
+    arguments.fitting.logs.iter().chain(&arguments.fitting.validate_on)
 }
 
 /// Identifies from a session of which something may be missing, with a unit's run told of it where it is one; whether
@@ -114,10 +113,8 @@ fn identify(
     missing: Option<String>,
     mut run: Option<&mut Run>,
 ) -> Result<bool> {
-    let inputs = inputs(arguments);
     for (name, known_by) in FACES.into_iter().chain([("report.html", PAGE), ("estimate.svg", PICTURE)]) {
-        output::not_over(&arguments.out.join(name), &inputs)?;
-        arguments.overwrite.of(&arguments.out.join(name), known_by)?;
+        arguments.overwrite.of_inputs(&arguments.out.join(name), known_by, inputs(arguments))?;
     }
     let calibration = arguments.calibration.options()?;
     let drive = &calibration.drive;

@@ -5,7 +5,7 @@ use crate::option::{LogOptions, Overwrite};
 use crate::output::{self, PICTURE};
 use anyhow::{Result, ensure};
 use clap::Args;
-use log_survey::survey;
+use log_survey::{Survey, survey};
 use recordings::log::{Fault, LogError, Need, Quantity, ReadOptions, Reading, open};
 use remedy::{Learnable, sentence};
 use std::path::{Path, PathBuf};
@@ -13,7 +13,8 @@ use std::path::{Path, PathBuf};
 /// Arguments of `piezo look`.
 #[derive(Args, Debug)]
 pub struct Look {
-    /// Logs. They are streamed, however long they are; of a .mat or .tdms file all is held at once.
+    /// Logs. They are streamed, however long they are; of a .mat or .tdms file all is held at once. The others are
+    /// looked at where one cannot be read, and no picture is then drawn.
     #[arg(required = true)]
     pub logs: Vec<PathBuf>,
     /// Draw the log to this file (SVG; an .html name gets a page with the pictures of all logs).
@@ -32,25 +33,27 @@ pub struct Look {
 
 /// Runs the verb.
 pub fn run(arguments: &Look) -> Result<bool> {
+    let page = arguments.out.as_ref().and_then(|path| path.extension()).is_some_and(|extension| extension == "html");
     if let Some(path) = &arguments.out {
-        output::not_over(path, &arguments.logs.iter().map(PathBuf::as_path).collect::<Vec<_>>())?;
-        arguments.overwrite.of(path, PICTURE)?;
-        let page = path.extension().is_some_and(|extension| extension == "html");
+        arguments.overwrite.of_inputs(path, PICTURE, &arguments.logs)?;
         ensure!(
-            page || path.extension().is_none_or(|extension| extension == "svg"),
-            "{}: the picture is SVG: name an .svg file, or an .html file for a page",
-            path.display()
-        );
-        ensure!(
-            page || arguments.logs.len() == 1,
-            "{}: holds the picture of one log: name an .html file",
+            page || arguments.logs.len() == 1 && path.extension().is_none_or(|extension| extension == "svg"),
+            "{}: the picture is SVG, of one log: name an .svg file, or an .html file for a page of all",
             path.display()
         );
     }
-    let (mut pictures, mut surveys, mut tried, mut flawed) = (Vec::new(), Vec::new(), Vec::new(), false);
+    let (mut pictures, mut surveys, mut tried, mut flawed, mut unread) = (vec![], vec![], vec![], false, 0);
     for path in &arguments.logs {
-        let (reading, refusal) = opened(path, arguments)?;
-        let found = survey(reading)?;
+        let (found, refusal) = match looked_at(path, arguments) {
+            Err(error) if arguments.logs.len() > 1 => {
+                let why = sentence(error.as_ref());
+                eprintln!("piezo: {why}");
+                surveys.push(serde_json::json!({ "log": path, "survey": null, "refusal": why }));
+                unread += 1;
+                continue;
+            }
+            looked_at => looked_at?,
+        };
         flawed |= found.rows_without_a_number > 0 || found.flaws.iter().flatten().any(|of| of.worst.repairable());
         let complete = refusal.is_none() && found.voltage.is_some();
         let learnable = complete.then(|| remedy::learnable(path, &arguments.files.options(), &found));
@@ -71,14 +74,10 @@ pub fn run(arguments: &Look) -> Result<bool> {
     if arguments.json {
         out(&serde_json::to_string_pretty(&surveys)?);
     }
+    ensure!(unread == 0, "{unread} of the {} logs could not be read", arguments.logs.len());
     if let Some(path) = &arguments.out {
-        let page = path.extension().is_some_and(|extension| extension == "html");
-        let contents = if page {
-            format!("<!doctype html>\n<meta charset=\"utf-8\">\n{}", pictures.join("\n"))
-        } else {
-            pictures.concat()
-        };
-        output::write(path, contents)?;
+        let head = if page { "<!doctype html>\n<meta charset=\"utf-8\">\n" } else { "" };
+        output::write(path, format!("{head}{}", pictures.join("\n")))?;
         if !arguments.json {
             out(&format!("\nWritten: {}", path.display()));
         }
@@ -88,6 +87,12 @@ pub fn run(arguments: &Look) -> Result<bool> {
         out(&format!("\nNext:\n    {}", remedy::learn_from(&arguments.logs, flawed)));
     }
     Ok(true)
+}
+
+/// What was understood of a log, and where it has no displacement that can be read the sentence that says why not.
+fn looked_at(path: &Path, arguments: &Look) -> Result<(Survey, Option<String>)> {
+    let (reading, refusal) = opened(path, arguments)?;
+    Ok((survey(reading)?, refusal))
 }
 
 /// The log, with a displacement if it has one that can be read; else with the sentence that says why not.

@@ -7,7 +7,6 @@ use crate::option::{LogOptions, Overwrite, PrepareAgain, ScopeArgs, TOLD, choice
 use crate::output;
 use anyhow::{Context, Result};
 use clap::Args;
-use findings::EXPLAINED;
 use findings::figures::heading;
 use findings::validated_log::{Repair, log_json, of_log, rows, suspected, trained_on};
 use identification::validate::{Estimates, Figures, Scope, Suspicion, Told, ToldFigures, compare_within, estimates};
@@ -70,9 +69,8 @@ pub struct Validate {
 /// Runs the verb; `false` when a threshold is exceeded.
 pub fn run(arguments: &Validate) -> Result<bool> {
     if let Some(path) = &arguments.out {
-        let logs = arguments.logs.iter().map(PathBuf::as_path);
-        output::not_over(path, &logs.chain([arguments.table.as_path()]).collect::<Vec<_>>())?;
-        arguments.overwrite.of(path, Estimates::HEADING)?;
+        let inputs = arguments.logs.iter().chain([&arguments.table]);
+        arguments.overwrite.of_inputs(path, Estimates::HEADING, inputs)?;
     }
     let (file, table) = look_at(&arguments.table)?;
     let displacement_scale = arguments.displacement_scale.unwrap_or(file.recipe.displacement_scale);
@@ -126,13 +124,8 @@ pub fn run(arguments: &Validate) -> Result<bool> {
         out(&serde_json::to_string_pretty(&report)?);
         return Ok(passed);
     }
-    out(EXPLAINED);
-    if let Some(at) = scope.zero_at_s {
-        out(&format!(
-            "Zeroed at {at} s: the mean error of the 50 ms up to there is taken off; what follows is scored, {told}."
-        ));
-    }
-    findings::ends_left_out(&recipe).iter().for_each(|line| out(line));
+    let explained = findings::explained(scope.zero_at_s, told);
+    explained.into_iter().chain(findings::ends_left_out(&recipe)).for_each(|line| out(&line));
     out("");
     out(&heading("log"));
     for (((comparison, log), trained_on), repair) in comparisons.iter().zip(&logs).zip(&trained_on).zip(&repairs) {
@@ -147,10 +140,8 @@ pub fn run(arguments: &Validate) -> Result<bool> {
     for (((of, log), found), repair) in comparisons.iter().zip(&logs).zip(&suspicions).zip(&repairs) {
         found.iter().for_each(|found| out(&format!("\n{}: {}", of.name, suspected(of, log, found, *repair))));
     }
-    let limit = |limit: Option<f64>, unit: &str| limit.map_or(String::new(), |limit| format!(" {limit} {unit}"));
     if !passed {
-        let (um, of_stroke) = (limit(arguments.max_mae, "µm"), limit(arguments.max_percent, "%"));
-        out(&format!("FAILED: {judged:.4} µm, {percent:.2} % of the stroke; allowed:{um}{of_stroke}"));
+        out(&findings::failed((judged, percent), (arguments.max_mae, arguments.max_percent)));
     }
     Ok(passed)
 }
