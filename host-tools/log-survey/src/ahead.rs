@@ -6,7 +6,7 @@
 //! ahead = ∮ y dV / (ΔV·Δy)     of a loop over the voltages that both of its branches have; below 0 of an actuator
 //! ```
 
-use crate::deadband::noise_of;
+use crate::noise::noise_of;
 use crate::reversals::reversals;
 use crate::signal::range;
 use estimator_core::Range;

@@ -1,5 +1,6 @@
 //! The deadband of reversals where nobody gives one: above what noise alone makes the voltage retreat by.
 
+use crate::noise::noise_of;
 use recordings::session::Session;
 
 /// Of the voltage span, at least: a few steps of a 12-bit converter. No round fraction, so that a generated ramp does
@@ -7,11 +8,6 @@ use recordings::session::Session;
 const LEAST: f64 = 0.83e-3;
 /// Of the noise's standard deviation: the retreat from the highest of some thousand readings to the lowest.
 const DEVIATIONS: f64 = 8.0;
-/// Coefficients of the sixth difference. It takes 99.9 % off a sine of 100 Hz that is sampled at 2 kHz, and white noise
-/// of deviation 1 gives it the root of the sum of their squares.
-const SIXTH: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
-/// A normal distribution's median of absolute values, in standard deviations.
-const MEDIAN: f64 = 0.674_489_75;
 
 /// The deadband (V) for sessions whose voltages have this span (V): the larger of 0.083 % of it and eight deviations of
 /// the voltage's noise.
@@ -28,18 +24,6 @@ pub fn noise<'a>(sessions: impl Iterator<Item = &'a Session> + Clone) -> (f64, f
         noise_of(&session.instants.iter().map(|&instant| session.voltage[instant as usize]).collect::<Vec<f64>>())
     };
     (quietest(&voltage), quietest(&|session| noise_of(&session.displacement)))
-}
-
-/// One standard deviation of the noise of readings that were taken evenly in time, in their unit, of the middle half of
-/// their sixth differences; `None` of too few.
-pub fn noise_of(read: &[f64]) -> Option<f64> {
-    let difference = |window: &[f64]| window.iter().zip(SIXTH).map(|(v, c)| v * c).sum::<f64>().abs();
-    let mut differences: Vec<f64> = read.windows(SIXTH.len()).map(difference).collect();
-    let middle = differences.len() / 2;
-    (!differences.is_empty()).then(|| {
-        let median = *differences.select_nth_unstable_by(middle, f64::total_cmp).1;
-        median / MEDIAN / SIXTH.iter().map(|c| c * c).sum::<f64>().sqrt()
-    })
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Numbers of a signal that outliers do not decide, and how far two go together.
 
-use crate::deadband::noise_of;
+use crate::noise::noise_of;
 use recordings::session::Session;
 
 /// One value in so many is left out of a range, at either end: a single spike is no movement.

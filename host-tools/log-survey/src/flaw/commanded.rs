@@ -3,8 +3,8 @@
 
 use super::leaps::{EXPLAINED, ROWS, least_leap, spikes};
 use super::voltage::without;
-use crate::deadband::noise_of;
 use crate::implausible::Implausible;
+use crate::noise::noise_of;
 use crate::signal::range;
 
 /// A range within this many deviations of the noise is no movement.

@@ -5,7 +5,7 @@
 //! rests before or behind it, leaps as far again elsewhere, or goes from one end of its range to the other: such leaps
 //! are none. Nothing is seen of samples that are missing where the voltage comes to the same value again, or stands.
 
-use crate::deadband::noise_of;
+use crate::noise::noise_of;
 use crate::signal::ends;
 
 /// Rows before and behind a leap that it is held against.

@@ -5,7 +5,7 @@
 //! bend makes no difference, for it is the voltage's, too.
 
 use super::leaps::EXPLAINED;
-use crate::deadband::noise_of;
+use crate::noise::noise_of;
 use crate::signal::resolution;
 
 /// Rows of a line, on either side.

@@ -1,7 +1,7 @@
 //! A voltage that was misread for a few rows: it leaps away and back, and the displacement does not go along.
 
 use super::leaps::{SPIKE_ROWS, least_leap, spikes};
-use crate::deadband::noise_of;
+use crate::noise::noise_of;
 use std::borrow::Cow;
 
 /// Rows behind a leap in which a displacement that goes along does so.
