@@ -42,7 +42,7 @@ pub struct Board<'l, P, F> {
     pub uid: Uid,
     /// Whether a controller's set-point is among what the plant gives.
     pub has_setpoint: bool,
-    /// Seconds of emulated time in a second.
+    /// Seconds of emulated time in a second; while a drive waits for a reference, at most one.
     pub speed: f64,
     /// The serial line.
     pub line: &'l SerialLine,
@@ -108,8 +108,9 @@ pub(crate) fn facts(reset: ResetCause, restarts: Restarts, uid: Uid, has_setpoin
 }
 
 /// Waits for the tick to be started, then calls it as often as the time that has passed demands. Ticks that this
-/// machine had no time for are not made up for: the emulated time has then stood still. While a tick finds no
-/// reference, the emulated time is no faster than the host's, which has the second that a real board waits for it.
+/// machine had no time for are not made up for: the emulated time has then stood still. While a drive waits for a
+/// reference (one that is to hold its last does not), the emulated time is no faster than the host's: it then has the
+/// same second to send one as with a real board.
 async fn ticks(
     started: &Signal<NoopRawMutex, Tick<'_>>,
     telemetry: &Telemetry,

@@ -77,8 +77,9 @@ impl<P: Plant, F: NorFlash + Send + 'static> Emulator<P, F> {
         Emulator { plant, flash, uid, has_setpoint, speed, port }
     }
 
-    /// Lets so many seconds pass on the device in a second, fewer where this machine is too busy. Beyond some twenty
-    /// the link cannot carry every sample away, as on a board whose line is too slow.
+    /// Lets so many seconds pass on the device in a second, fewer where this machine is too busy, and at most one while
+    /// its drive waits for a reference. Beyond some twenty the link cannot carry every sample away, as on a board whose
+    /// line is too slow.
     pub fn speed(self, speed: f64) -> Self {
         Self { speed, ..self }
     }

@@ -30,7 +30,8 @@ pub struct Emulate {
     /// Port of this machine at which the device listens; 0 is any that is free.
     #[arg(long, default_value_t = 4740)]
     pub tcp_port: u16,
-    /// Seconds of the device in a second. Beyond some twenty the link cannot carry every sample away.
+    /// Seconds of the device in a second, one where it waits for the host's voltages. Beyond some twenty the link
+    /// cannot carry every sample away.
     #[arg(long, default_value_t = 1.0, value_parser = positive)]
     pub speed: f64,
     /// A spring that the actuator pushes against, in the actuator's own stiffness: 1 halves the stroke. What a load
