@@ -53,6 +53,13 @@ fn every_log_is_looked_at_though_one_cannot_be_read() {
     assert!(said.contains("8027 rows") && !said.contains("Next:"), "{said}");
     assert!(why.contains("missing.csv: no such file") && why.contains("1 of the 2 logs could not be read"), "{why}");
     assert_eq!((output.status.code(), page.exists()), (Some(2), false));
+    // A name that is no text is none that a panic may be made of.
+    #[cfg(unix)]
+    {
+        let odd: &std::ffi::OsStr = std::os::unix::ffi::OsStrExt::from_bytes(b"odd\xff.csv");
+        piezo().arg("look").args([odd, MEASURED.as_ref()]).assert().code(2);
+        piezo().args(["look", "--json"]).args([odd, MEASURED.as_ref()]).assert().code(2);
+    }
     let output = piezo().args(["look", "--json", text(&missing), MEASURED]).output().unwrap();
     let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert!(found[0]["survey"].is_null() && found[0]["refusal"].as_str().unwrap().contains("no such file"), "{found}");

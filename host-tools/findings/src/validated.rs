@@ -12,7 +12,7 @@ settled          the same from where reversals lie half of the table's voltage r
 one cycle        cold; its mean error over the voltage's first full cycle is taken off, what follows is scored
 no offset        cold; its own mean error over all that is scored is taken off, which no device knows beforehand";
 
-/// What the lines of a validation are, and from where on what follows is scored.
+/// What the lines of a validation are, and, where it is zeroed, from when on it is scored.
 pub fn explained(zero_at_s: Option<f64>, told: Told) -> Vec<String> {
     let zeroed = |at| {
         format!(

@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 /// Arguments of `piezo look`.
 #[derive(Args, Debug)]
 pub struct Look {
-    /// Logs. They are streamed, however long they are; of a .mat or .tdms file all is held at once. The others are
-    /// looked at where one cannot be read, and no picture is then drawn.
+    /// Logs. They are streamed, however long they are; of a .mat or .tdms file all is held at once. Where one of
+    /// several cannot be read, the rest are looked at all the same; no picture is then drawn, and the exit code is 2.
     #[arg(required = true)]
     pub logs: Vec<PathBuf>,
     /// Draw the log to this file (SVG; an .html name gets a page with the pictures of all logs).
@@ -36,11 +36,9 @@ pub fn run(arguments: &Look) -> Result<bool> {
     let page = arguments.out.as_ref().and_then(|path| path.extension()).is_some_and(|extension| extension == "html");
     if let Some(path) = &arguments.out {
         arguments.overwrite.of_inputs(path, PICTURE, &arguments.logs)?;
-        ensure!(
-            page || arguments.logs.len() == 1 && path.extension().is_none_or(|extension| extension == "svg"),
-            "{}: the picture is SVG, of one log: name an .svg file, or an .html file for a page of all",
-            path.display()
-        );
+        let svg = path.extension().is_none_or(|extension| extension == "svg");
+        let why = if svg { "holds the picture of one log: name" } else { "the picture is SVG: name an .svg file, or" };
+        ensure!(page || svg && arguments.logs.len() == 1, "{}: {why} an .html file", path.display());
     }
     let (mut pictures, mut surveys, mut tried, mut flawed, mut unread) = (vec![], vec![], vec![], false, 0);
     for path in &arguments.logs {
@@ -48,7 +46,7 @@ pub fn run(arguments: &Look) -> Result<bool> {
             Err(error) if arguments.logs.len() > 1 => {
                 let why = sentence(error.as_ref());
                 eprintln!("piezo: {why}");
-                surveys.push(serde_json::json!({ "log": path, "survey": null, "refusal": why }));
+                surveys.push(serde_json::json!({ "log": path.to_string_lossy(), "survey": null, "refusal": why }));
                 unread += 1;
                 continue;
             }
@@ -64,7 +62,7 @@ pub fn run(arguments: &Look) -> Result<bool> {
         pictures.push(report::survey(&found, &name));
         if arguments.json {
             let refusal = refusal.as_deref().or(learnable.as_ref().and_then(|of| of.refusal()));
-            surveys.push(serde_json::json!({ "log": path, "survey": found, "refusal": refusal }));
+            surveys.push(serde_json::json!({ "log": path.to_string_lossy(), "survey": found, "refusal": refusal }));
         } else {
             out(&path.display().to_string());
             remedy::surveyed(&found, refusal.as_deref(), hinders).iter().for_each(|line| out(line));

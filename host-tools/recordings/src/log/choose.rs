@@ -231,16 +231,13 @@ impl Chooser<'_> {
     }
 
     pub(super) fn guess(&self) -> Channels {
-        let guess = guess::channels(
-            &self.table.columns,
-            self.labels,
-            self.table.sample_time.is_none(),
-            self.options.voltage_required,
-        );
-        match self.options.displacement {
-            Need::Ignored => Channels { displacement: None, ..guess },
-            Need::Required | Need::Optional => guess,
-        }
+        let wanted = |quantity: &Quantity| match quantity {
+            Quantity::Time => true,
+            Quantity::Voltage => self.options.voltage_required,
+            Quantity::Displacement => self.options.displacement != Need::Ignored,
+        };
+        let wanted: Vec<Quantity> = QUANTITIES.into_iter().filter(wanted).collect();
+        guess::channels(&self.table.columns, self.labels, self.table.sample_time.is_none(), &wanted)
     }
 
     /// The likely columns as they are stated; where volts can be the sensor's, with a place for its scale.

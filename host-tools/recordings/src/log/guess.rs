@@ -6,17 +6,17 @@ use super::channels::{Channel, Channels, QUANTITIES};
 use super::label::Label;
 use super::sensitivity::Sensitivity;
 
-/// The likely columns: by name, by unit, by what the numbers do, else in order. Without `time_needed` no column is
-/// taken for the time by its numbers. Of what is wanted of a displacement there need be no voltage.
-pub(super) fn channels(columns: &[Column], labels: &[Label], time_needed: bool, voltage_needed: bool) -> Channels {
+/// The likely columns of the wanted quantities: by name, by unit, by what the numbers do, else in order. Without
+/// `time_needed` no column is taken for the time by its numbers.
+pub(super) fn channels(columns: &[Column], labels: &[Label], time_needed: bool, wanted: &[Quantity]) -> Channels {
     // A setting beside the first rows is no column.
     let rows = columns.iter().map(|column| column.values.len()).max().unwrap_or(0);
     let numeric = |at: &usize| columns[*at].numeric && columns[*at].values.len() == rows;
     let all: Vec<usize> = (0..columns.len()).filter(numeric).collect();
     // None can be spared for the time that is needed for something else.
-    let seek_clock = time_needed && all.len() >= if voltage_needed { 3 } else { 2 };
+    let seek_clock = time_needed && all.len() >= wanted.len();
     let mut channels = Channels::default();
-    for quantity in QUANTITIES.into_iter().filter(|&quantity| voltage_needed || quantity != Quantity::Voltage) {
+    for &quantity in wanted {
         let free = || all.iter().copied().filter(|at| !channels.has(*at));
         let named = free().find(|&at| labels[at].quantity() == Some(quantity));
         let free = || free().filter(|&at| !labels[at].says_other());

@@ -139,6 +139,8 @@ fn a_log_without_displacement_where_the_caller_allows_it() {
     let twice = format!("t_s,a_V,b_V\n{}", rows(0.001, |t, v, _| format!("{t},{v},1")));
     let (_, fault) = refused(&twice, &needing(Need::Ignored));
     assert!(matches!(fault, Fault::Ambiguous { example, .. } if example == "time=1:s,voltage=2:V"));
+    let (_, fault) = refused(&rows(0.001, |t, v, _| format!("{t},{v}")), &needing(Need::Ignored));
+    assert!(matches!(fault, Fault::NoHeader { example, .. } if example == "time=1:s,voltage=2:V"));
     let (place, fault) = refused(&text, &ReadOptions::default());
     assert_eq!(place, Place::Line(1));
     assert!(matches!(fault, Fault::NoColumn { quantity: Quantity::Displacement, .. }));
