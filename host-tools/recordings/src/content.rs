@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 /// How many stretches of consecutive samples are kept, and how long each is.
 const STRETCHES: usize = 4;
 const LENGTH: usize = 8;
-/// Fewest stretches that must be in what is left of it.
-const FEWEST: usize = 2;
+/// Fewest samples that must be in what is left of it.
+const FEWEST: usize = 2 * LENGTH;
 /// By how much a rounded value may be off: of the smallest step; of the span, where the step is finer than that; and of
 /// itself, where five significant digits were kept.
 const ROUNDING: f64 = 0.51;
@@ -17,6 +17,8 @@ const FINEST: f64 = 1e-6;
 const OF_ITSELF: f64 = 5.1e-5;
 /// Relative difference of the sample periods up to which two are the same.
 const PERIOD: f64 = 1e-4;
+/// Most samples of which one may have been kept.
+const MOST: f64 = 1000.0;
 
 /// Samples of a log or of a part of one.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
@@ -58,48 +60,85 @@ impl Content {
     }
 
     /// Where the part begins in a log that holds the same samples, s from the log's first, which may be negative;
-    /// `None` in any other.
+    /// `None` in any other. Of either only every n-th sample may have been kept, of the log every second.
     pub fn begins_in(&self, log: &Log) -> Option<f64> {
         let displacement = log.displacement.as_deref()?;
-        if (log.sample_period / self.sample_period_s - 1.0).abs() > PERIOD
-            || self.displacement_um.len() != self.voltage_v.len()
-        {
+        if self.displacement_um.len() != self.voltage_v.len() {
             return None;
         }
+        let strides = Strides::of(log.sample_period, self.sample_period_s)?;
         // Either side may be the one that was rounded.
         let series = [
             (&log.voltage[..], &self.voltage_v, self.rounding_v.max(rounding(&log.voltage))),
             (displacement, &self.displacement_um, self.rounding_um.max(rounding(displacement))),
         ];
         let count = log.voltage.len().min(displacement.len());
-        let same = |stretch: usize, from: usize| {
-            let alike = |(values, kept, rounding): &(&[f64], &Vec<f64>, f64), k: usize| {
-                let kept = kept.get(stretch * LENGTH + k);
-                kept.is_some_and(|kept| (values[from + k] - kept).abs() <= rounding + OF_ITSELF * kept.abs())
-            };
-            (0..LENGTH).all(|k| series.iter().all(|series| alike(series, k)))
+        let alike = |row: usize, kept: usize| {
+            series.iter().all(|(values, of, rounding)| {
+                of.get(kept).is_some_and(|of| (values[row] - of).abs() <= rounding + OF_ITSELF * of.abs())
+            })
         };
-        let last = count.checked_sub(LENGTH)?;
-        // Where a stretch of the part would begin, if one of its others begins here.
-        let inside = |part: isize, at: usize| at.checked_add_signed(part).filter(|from| *from <= last);
-        let begins = |anchor: usize, from: usize| {
-            let part = isize::try_from(from).ok()?.checked_sub(isize::try_from(self.at[anchor]).ok()?)?;
-            let left: Vec<(usize, usize)> =
-                self.at.iter().enumerate().filter_map(|(stretch, &at)| Some((stretch, inside(part, at)?))).collect();
-            (left.len() >= FEWEST && left.iter().all(|&(stretch, from)| same(stretch, from))).then_some(part)
+        // How many samples of a stretch are the log's, too, 0 of one that is not wholly within it; `None` of another's.
+        let same = |stretch: usize, shift: i128| {
+            let row = |k: usize| strides.row(self.at[stretch] as i128 + k as i128, shift, count);
+            if [0, LENGTH - 1].map(row).contains(&None) {
+                return Some(0);
+            }
+            let mut shared = (0..LENGTH).filter_map(|k| Some((row(k)??, stretch * LENGTH + k)));
+            shared.try_fold(0, |same, (row, kept)| alike(row, kept).then_some(same + 1))
         };
-        let anchors = (0..self.at.len()).flat_map(|anchor| (0..=last).map(move |from| (anchor, from)));
-        let part =
-            anchors.filter(|&(anchor, from)| same(anchor, from)).find_map(|(anchor, from)| begins(anchor, from))?;
-        Some(part as f64 * log.sample_period)
+        let begins = |shift: i128| {
+            let same: Option<usize> = (0..self.at.len()).map(|stretch| same(stretch, shift)).sum();
+            same.is_some_and(|same| same >= FEWEST)
+        };
+        for (stretch, &at) in self.at.iter().enumerate() {
+            for first in at as i128..at as i128 + strides.samples {
+                let shifts = (0..count).map(|row| row as i128 * strides.samples - first * strides.rows);
+                let found =
+                    shifts.filter(|&shift| same(stretch, shift).is_some_and(|same| same > 0)).find(|&of| begins(of));
+                if let Some(shift) = found {
+                    return Some(shift as f64 / strides.samples as f64 * log.sample_period);
+                }
+            }
+        }
+        None
     }
 }
 
-/// By how much values that were rounded to one step may be off.
+/// Which rows of a log are which kept samples: so many rows take as long as so many samples, one of them 1.
+#[derive(Clone, Copy)]
+struct Strides {
+    rows: i128,
+    samples: i128,
+}
+
+impl Strides {
+    /// Of two sample periods, one of which is a multiple of the other.
+    fn of(row_s: f64, sample_s: f64) -> Option<Self> {
+        let multiple = |of: f64| {
+            let whole = of.round();
+            ((1.0..=MOST).contains(&whole) && (of / whole - 1.0).abs() <= PERIOD).then_some(whole as i128)
+        };
+        let coarser = multiple(row_s / sample_s).map(|samples| Self { rows: 1, samples });
+        coarser.or_else(|| multiple(sample_s / row_s).map(|rows| Self { rows, samples: 1 }))
+    }
+
+    /// The row of a kept sample in a log of so many, by how much that is shifted: `None` outside it, and no row where
+    /// the sample lies between two.
+    fn row(self, sample: i128, shift: i128, count: usize) -> Option<Option<usize>> {
+        let at = sample * self.rows + shift;
+        let row = usize::try_from(at.div_euclid(self.samples)).ok().filter(|row| *row < count)?;
+        Some((at.rem_euclid(self.samples) == 0).then_some(row))
+    }
+}
+
+/// By how much values that were rounded to one step may be off: of a few that are far from each other, too.
 fn rounding(values: &[f64]) -> f64 {
-    let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|step| *step > 0.0);
-    let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(low, high), &x| (low.min(x), high.max(x)));
-    ROUNDING * steps.fold(high - low, f64::min) + FINEST * (high - low)
+    let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let span = sorted.last().zip(sorted.first()).map_or(0.0, |(high, low)| high - low);
+    let steps = sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
+    ROUNDING * steps.fold(span, f64::min) + FINEST * span
 }
 
 #[cfg(test)]
@@ -164,6 +203,28 @@ mod tests {
         for coarse in [rounded(&log(1)), to_five_digits(&log(1))].map(|log| Content::of(&log).unwrap()) {
             assert_eq!(coarse.begins_in(&log(1)), Some(0.0));
             assert_eq!(coarse.begins_in(&log(2)), None);
+        }
+    }
+
+    /// Every n-th sample of a log, from the second on.
+    fn thinned(log: &Log, n: usize) -> Log {
+        let every = |series: &[f64]| series[1..].iter().step_by(n).copied().collect::<Vec<f64>>();
+        let displacement = log.displacement.as_deref().map(every);
+        Log { voltage: every(&log.voltage), displacement, sample_period: n as f64 * log.sample_period, ..log.clone() }
+    }
+
+    #[test]
+    fn a_recording_is_known_again_thinned() {
+        let content = Content::of(&log(1)).unwrap();
+        let begins = content.begins_in(&thinned(&log(1), 2)).unwrap();
+        assert!((begins + 5e-4).abs() < 1e-9, "{begins}");
+        assert_eq!(content.begins_in(&thinned(&log(1), 4)), None, "too few of the kept samples are left");
+        for n in [2, 5, 20] {
+            let content = Content::of(&thinned(&log(1), n)).unwrap();
+            let begins = content.begins_in(&rounded(&log(1))).unwrap();
+            assert!((begins - 5e-4).abs() < 1e-9, "every {n}: {begins}");
+            assert_eq!(content.begins_in(&log(2)), None);
+            assert_eq!(Content::of(&log(2)).unwrap().begins_in(&thinned(&log(1), n)), None);
         }
     }
 
