@@ -67,6 +67,10 @@ impl Content {
             return None;
         }
         let strides = Strides::of(log.sample_period, self.sample_period_s)?;
+        // Of too few kept samples that are left nothing need be sought.
+        if strides.samples * FEWEST as i128 > (self.at.len() * LENGTH) as i128 {
+            return None;
+        }
         // Either side may be the one that was rounded.
         let series = [
             (&log.voltage[..], &self.voltage_v, self.rounding_v.max(rounding(&log.voltage))),
