@@ -6,7 +6,8 @@ const MOST: usize = 1 << 16;
 /// Coefficients of the sixth difference. It takes 99.9 % off a sine of 100 Hz that is sampled at 2 kHz, and white noise
 /// of deviation 1 gives it the root of the sum of their squares.
 const SIXTH: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
-/// Those of the twelfth, which takes as much off a sine of seven samples a period.
+/// Those of the twelfth: a sine of eight samples a period adds as little to its white noise as one of twenty to that of
+/// the sixth.
 const TWELFTH: [f64; 13] = [1.0, -12.0, 66.0, -220.0, 495.0, -792.0, 924.0, -792.0, 495.0, -220.0, 66.0, -12.0, 1.0];
 /// White noise gives both the same deviation, and what a converter has averaged gives the twelfth somewhat less; where
 /// that has less than this part, the sixth have the course.

@@ -15,9 +15,9 @@ const FEWEST: usize = 2 * LENGTH;
 const ROUNDING: f64 = 0.51;
 const FINEST: f64 = 1e-6;
 const OF_ITSELF: f64 = 5.1e-5;
-/// Relative difference of the sample periods up to which two are the same.
+/// Relative difference up to which two sample periods are the same, or one a multiple of the other.
 const PERIOD: f64 = 1e-4;
-/// Most samples of which one may have been kept.
+/// Most samples of a recording of which a thinned copy may have kept one.
 const MOST: f64 = 1000.0;
 
 /// Samples of a log or of a part of one.
