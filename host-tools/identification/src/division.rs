@@ -26,12 +26,14 @@ impl<'l> Parts<'l> {
         prepare: &PrepareOptions,
     ) -> Result<Self, JobError> {
         let (whole, apart) = (training, held_out);
-        for (at, training) in whole.iter().enumerate() {
-            let content = LogUse::new(training, Role::Training);
-            let mut others = apart.iter().chain(&whole[at + 1..]);
+        let known = |log| (log, LogUse::new(log, Role::Training));
+        let logs: Vec<(&Log, LogUse)> = whole.iter().chain(apart).map(known).collect();
+        for (at, (training, content)) in logs.iter().enumerate().take(whole.len()) {
             // Either may be a part of the other.
-            let part = |other: &Log| LogUse::new(other, Role::Training).within(training).is_some();
-            if let Some(log) = others.find(|other| content.within(other).is_some() || part(other)) {
+            let same = |(other, of_other): &&(&Log, LogUse)| {
+                content.within(other).is_some() || of_other.within(training).is_some()
+            };
+            if let Some((log, _)) = logs[at + 1..].iter().find(same) {
                 let (rewritten, log) = (log.sha256 != training.sha256, log.path.clone());
                 return Err(JobError::SameLog { log, training: training.path.clone(), rewritten });
             }

@@ -6,6 +6,7 @@ pub mod log;
 mod log_use;
 pub mod prepare;
 pub mod rig;
+mod rounding;
 pub mod session;
 
 pub use content::Content;
