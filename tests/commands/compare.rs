@@ -69,7 +69,7 @@ fn plays_with_lag_and_creep_beat_voigt_on_what_neither_has_seen() {
         "tr10.csv 0.00 … 1.00 s",
         "Evaluations",
         "1500",
-        "smallest MAE held out",
+        "smallest MAE held out, without offset",
         "straight line (2.1)",
     ] {
         assert!(page.contains(words), "{words} is missing");

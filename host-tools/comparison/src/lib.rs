@@ -124,9 +124,11 @@ impl Row {
 }
 
 impl Matrix {
-    /// The model with the smallest mean absolute error over all that was held out.
+    /// The model with the smallest mean absolute error over all that was held out, each log's constant offset aside:
+    /// where a sensor's zero lies, no model knows.
     pub fn nearest(&self) -> Option<Model> {
-        let errors = self.rows.iter().filter_map(|row| Some((row.model, row.errors()?.held_out.all.mae_um)));
+        let errors =
+            self.rows.iter().filter_map(|row| Some((row.model, row.errors()?.held_out.all.mae_without_offset_um)));
         errors.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(model, _)| model)
     }
 

@@ -39,8 +39,8 @@ pub fn doubt(doubt: &Doubt) -> String {
              determine it; record more frequencies and amplitudes, or choose a simpler --model"
         ),
         Doubt::PoorFit { log, percent } => format!(
-            "in training the error on {log} is {percent:.1} % of the stroke: the model does not describe this log; are its \
-             columns, units and zeros right, is the sensor's delay within reason (--delay), and was the amplifier at its limit?"
+            "in training the error on {log} is {percent:.1} % of the stroke, a constant offset aside: the model does not describe this log; are \
+             its columns and units right, is the sensor's delay within reason (--delay), and was the amplifier at its limit?"
         ),
         Doubt::Flawed { log, worst, count, left_out, most } => flawed(log, worst, *count, *left_out, *most),
         Doubt::Unfinished { missing } => format!("{missing}: identify again once it is whole, or record another"),
@@ -110,8 +110,8 @@ pub fn doubt(doubt: &Doubt) -> String {
             .to_owned()
         }
         Doubt::Drift { log, offset_um } => format!(
-            "on {log}, held out, the estimate is off by a constant {:+.3} µm (creep, drift, or where the \
-             session started), which no sensorless estimate can know: set the zero again at rest",
+            "on {log}, held out, the estimate is off by a constant {:+.3} µm (creep, drift, where the \
+             session started, or a sensor that was zeroed anew), which no sensorless estimate can know: set the zero again at rest",
             Micrometres(*offset_um)
         ),
         Doubt::Trend { log, by_um, within_s } => format!(

@@ -122,12 +122,12 @@ pub fn doubts(
     doubts
 }
 
-/// An error on a log that is much of the stroke of all logs: a small swing's may be much of its own. The log with the
-/// largest is named.
+/// An error on a log, its constant offset aside, that is much of the stroke of all logs: a small swing's may be much of
+/// its own, and a sensor may be zeroed anew for each. The log with the largest is named.
 fn poor<'a>(logs: impl Iterator<Item = (&'a str, Figures)> + Clone) -> Option<Doubt> {
     let stroke_um = logs.clone().map(|(_, figures)| figures.stroke_um).fold(0.0, f64::max);
-    let (log, worst) = logs.max_by(|(_, a), (_, b)| a.mae_um.total_cmp(&b.mae_um))?;
-    let percent = 100.0 * worst.mae_um / stroke_um;
+    let (log, worst) = logs.max_by(|(_, a), (_, b)| a.mae_without_offset_um.total_cmp(&b.mae_without_offset_um))?;
+    let percent = 100.0 * worst.mae_without_offset_um / stroke_um;
     (percent > POOR).then_some(Doubt::PoorFit { log: log.to_owned(), percent })
 }
 
@@ -238,6 +238,8 @@ mod tests {
         let of = |stroke: f64, error: f64| Figures::of(&[error, stroke - error], &[0.0, stroke], stroke);
         let [large, small] = [of(10.0, 0.03), of(0.1, 0.03)];
         assert_eq!(poor([("large", large), ("small", small)].into_iter()), None);
+        let zeroed = Figures::of(&[5.0, 15.1], &[0.0, 10.0], 10.0);
+        assert_eq!(poor([("large", large), ("zeroed anew", zeroed)].into_iter()), None);
         let missed = [("large", large), ("missed", of(8.0, 1.0)), ("small", small)];
         let found = poor(missed.into_iter());
         assert!(

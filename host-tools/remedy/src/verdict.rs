@@ -12,27 +12,33 @@ pub fn verdict(outcome: &Outcome, by_board: bool) -> Vec<String> {
     let mut sentences =
         vec![format!("Model: {}, since {}", candidate.table.model(), findings::reason(&outcome.reason))];
     if let Some(held_out) = candidate.held_out_figures() {
+        let offset = held_out.mae_without_offset_um < 0.8 * held_out.mae_um;
+        let (mae_um, mae_percent) = match offset {
+            true => (held_out.mae_without_offset_um, held_out.mae_without_offset_percent),
+            false => (held_out.mae_um, held_out.mae_percent),
+        };
         let percent = match &candidate.held_out[..] {
-            [_] => format!("{:.2} % of the {:.1} µm stroke", held_out.mae_percent, Micrometres(held_out.stroke_um)),
-            logs => format!("{:.2} % of a log's own stroke, on average over {} logs", held_out.mae_percent, logs.len()),
+            [_] => format!("{mae_percent:.2} % of the {:.1} µm stroke", Micrometres(held_out.stroke_um)),
+            logs => format!("{mae_percent:.2} % of a log's own stroke, on average over {} logs", logs.len()),
+        };
+        let constant = match &candidate.held_out[..] {
+            _ if !offset => String::new(),
+            [_] => format!(" without a constant offset of {:+.3} µm", Micrometres(held_out.offset_um)),
+            _ => " without a constant offset of each log's own".to_owned(),
+        };
+        let furthest_um = Micrometres(held_out.max_um);
+        let furthest = match offset {
+            true => format!(
+                ". With it, which creep, drift, where the session started or a sensor zeroed anew may leave, it is {:.3} µm, and {furthest_um:.3} µm",
+                Micrometres(held_out.mae_um)
+            ),
+            false => format!(", and {furthest_um:.3} µm"),
         };
         sentences.push(format!(
             "On data it had not seen, in simulation from the first sample, the estimate is on average {:.3} µm from the \
-             sensor ({percent}), and {:.3} µm where it was furthest, which bounds no other recording.",
-            Micrometres(held_out.mae_um),
-            Micrometres(held_out.max_um)
+             sensor ({percent}){constant}{furthest} where it was furthest, which bounds no other recording.",
+            Micrometres(mae_um)
         ));
-        if held_out.mae_without_offset_um < 0.8 * held_out.mae_um {
-            let constant = match &candidate.held_out[..] {
-                [_] => format!("a constant offset of {:+.3} µm", Micrometres(held_out.offset_um)),
-                _ => "a constant offset of each log's own".to_owned(),
-            };
-            sentences.push(format!(
-                "Without {constant} (drift, creep, or where the session started) it is {:.3} µm ({:.2} %).",
-                Micrometres(held_out.mae_without_offset_um),
-                held_out.mae_without_offset_percent
-            ));
-        }
     } else if let Some(training) = candidate.training_figures() {
         sentences.push(format!(
             "On the data it was fitted to the estimate is on average {:.3} µm from the sensor ({:.2} % of the stroke); on \

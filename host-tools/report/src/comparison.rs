@@ -89,11 +89,12 @@ fn summary(matrix: &Matrix) -> String {
     let Some(errors) = row.and_then(Row::errors) else { return "No model has an admissible candidate.".to_owned() };
     let all = &errors.held_out.all;
     format!(
-        "Nearest to the sensor on data that none has seen, in simulation: {}, on average {} off ({} of the stroke) and never \
-         more than {}.",
+        "Nearest to the sensor on data that none has seen, in simulation: {}, on average {} off ({} of the stroke) without \
+         each log's constant offset; with it {}, and never more than {}.",
         nearest.map_or(String::new(), |model| model.to_string()),
+        quantity(all.mae_without_offset_um, "µm"),
+        quantity(all.mae_without_offset_percent, "%"),
         quantity(all.mae_um, "µm"),
-        quantity(all.mae_percent, "%"),
         quantity(all.max_um, "µm")
     )
 }
