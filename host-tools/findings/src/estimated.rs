@@ -4,6 +4,7 @@ use crate::micrometres::Micrometres;
 use crate::raised::remarks;
 use estimator_core::{Range, Status};
 use identification::validate::{Estimates, Instant, Known, Raised, Zero};
+use log_survey::begins_in_motion;
 use serde_json::{Value, json};
 
 /// A voltage that goes over less than this part of the table's range may be that of a monitor, of 1:10 and more.
@@ -12,6 +13,10 @@ const SMALL: f64 = 0.12;
 const MOSTLY: f64 = 50.0;
 /// A voltage within the table's range that goes over less than this part of it rests.
 const RESTS: f64 = 0.005;
+
+/// Why little is known of what follows, where a log's voltage moves from the first sample on.
+pub(crate) const BEGINS_IN_MOTION: &str = "the voltage moves from the first sample on: if the actuator had not rested there until then, as it is taken to \
+     have, what it still creeps from is in no ±";
 
 /// The lines of a log: how many estimates, from where to where, how far they may be off, and where they are not to be
 /// believed by a table of voltages in `table_v`, as they would be recorded; the actuator's are `scale` times those.
@@ -62,6 +67,10 @@ pub fn estimated(estimates: &Estimates, known: &Known, table_v: Range<f64>, scal
             "    that is further off than the log moves in all: is it in µm, and by the sensor's zero in the training?"
                 .to_owned(),
         );
+    }
+    let (times, volts): (Vec<f64>, Vec<f64>) = all.iter().map(|row| (row.time_s, row.voltage)).unzip();
+    if !widths.is_empty() && begins_in_motion(&times, &volts) {
+        lines.push(format!("    {BEGINS_IN_MOTION}; a zero that is told late leaves less of it"));
     }
     if estimates.left_out > 0 {
         lines.push(format!(

@@ -5,7 +5,7 @@ use crate::flaw::flaw_found;
 use crate::recipe::monitor_asked;
 use crate::short::short;
 use estimator_core::Range;
-use log_survey::{Cell, Clock, ColumnRead, Flaw, Found, RateSource, Series, Survey};
+use log_survey::{Cell, Clock, ColumnRead, Flaw, Found, RESTS_S, RateSource, Series, Survey};
 use recordings::log::{Log, Remark};
 
 /// Rows that are further apart are doubted, s: nothing but creep is recorded so slowly.
@@ -195,6 +195,13 @@ fn rests(line: &mut dyn FnMut(&str, &str), unit: &str, series: &Series, survey: 
 fn swings(line: &mut dyn FnMut(&str, &str), survey: &Survey) {
     let swings = &survey.swings;
     let Some(voltage) = &survey.voltage else { return };
+    if voltage.low < voltage.high {
+        let begins = match survey.begins_at_rest_s {
+            rests if rests >= RESTS_S => format!("at rest, where the voltage stands for {} s", short(rests)),
+            _ => "in motion, unless the actuator had rested until then: a recording should show some seconds of that rest".to_owned(),
+        };
+        line("begins", &begins);
+    }
     line("reversals", &format!("{} of the voltage, by {} V at least", swings.reversals, short(swings.threshold_v)));
     if survey.rows_a_block > 1 {
         let hz = survey.clock.hz / (2 * survey.rows_a_block) as f64;

@@ -1,5 +1,6 @@
 //! What a table's errors on a log are, and whether they say anything of the table, in words.
 
+use crate::estimated::BEGINS_IN_MOTION;
 use crate::micrometres::Micrometres;
 use identification::validate::{Coverage, Evidence, Since, Suspicion, Told};
 
@@ -59,13 +60,20 @@ pub fn suspicion(suspicion: &Suspicion) -> String {
             Micrometres(*mae_um),
             Micrometres(*without_um)
         ),
-        Suspicion::Narrow { since, held_percent } => format!(
-            "the ±{} holds the sensor {held_percent:.1} % of the time, and says 95 % over many recordings: is something else here than in the \
-             training, the load, the temperature, the sensor's mount? If not, learn from this log, too: `piezo identify` takes several",
+        Suspicion::Narrow { since, held_percent, in_motion } => format!(
+            "the ±{} holds the sensor {held_percent:.1} % of the time, and says 95 % over many recordings: {}",
             match since {
                 Since::Zero => " since the zero",
                 Since::OneCycle => ", told one cycle,",
                 Since::Either => "",
+            },
+            match in_motion {
+                true => {
+                    format!("{BEGINS_IN_MOTION}. Judge by a log that begins at rest, or a zero that is told late (`--zero-at <S>`)")
+                }
+                false => "is something else here than in the training, the load, the temperature, the sensor's zero, scale or mount? If not, learn \
+                          from this log, too: `piezo identify` takes several"
+                    .to_owned(),
             }
         ),
     }

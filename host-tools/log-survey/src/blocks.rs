@@ -1,5 +1,7 @@
 //! A log's course in bounded memory: rows next to each other, kept as their extremes.
 
+use crate::start::stands;
+
 /// Most blocks that are kept; at more, two become one.
 const MOST: usize = 1 << 18;
 
@@ -70,6 +72,13 @@ impl Blocks {
 
     pub fn rows_a_block(&self) -> u64 {
         self.rows_a_block
+    }
+
+    /// Rows that the voltage stays at first within a part of what it goes over, V; as many blocks as are wholly so.
+    pub fn rows_at_rest(&self, span_v: f64) -> u64 {
+        let Some(first) = self.blocks.first().map(|block| block.first.0) else { return 0 };
+        let still = |block: &&Block| stands(block.voltage.0, first, span_v) && stands(block.voltage.1, first, span_v);
+        self.blocks.iter().take_while(still).count() as u64 * self.rows_a_block
     }
 
     /// The blocks, without what is left of a last one.

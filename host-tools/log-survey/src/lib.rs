@@ -44,7 +44,7 @@ pub use reversal_curves::ReversalCurves;
 pub use rows::Found;
 pub use series::Series;
 pub use signal::{correlation_of, falls, is_noise, range};
-pub use start::{prepared, repaired};
+pub use start::{RESTS_S, begins_in_motion, prepared, repaired};
 pub use stillness::Stillness;
 pub use stroke::stroke;
 pub use swings::{Cell, Swings};
@@ -81,6 +81,8 @@ pub struct Survey {
     pub frozen: Option<Stillness>,
     /// What is no measurement, the gravest of each kind; `None` where there are too many rows to look for it.
     pub flaws: Option<Vec<Found>>,
+    /// How long the voltage stands at first, s; little of a log that was begun in motion.
+    pub begins_at_rest_s: f64,
     /// The voltage's reversals, and the half cycles between them.
     pub swings: Swings,
     /// Rows that are kept as one: 1 unless the log is long.
@@ -148,6 +150,8 @@ pub fn survey(reading: Reading<'_>) -> Result<Survey, LogError> {
         displacement,
         displacement_estimated,
         frozen: tally.watch.result(voltage.as_ref()),
+        begins_at_rest_s: voltage
+            .map_or(0.0, |series| tally.blocks.rows_at_rest(series.high - series.low) as f64 * period),
         voltage,
         ahead: tally.kept.ahead(&clock).filter(|_| !displacement_estimated),
         flaws: flaws.map(|flaws| Found::of(&flaws, &clock, &tally.clock)),

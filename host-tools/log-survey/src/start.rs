@@ -12,11 +12,27 @@ use recordings::session::Session;
 
 /// Voltages this near count as the same, as a fraction of the session's span.
 const SAME: f64 = 0.02;
+/// A voltage that stands still for so long at first, s, is that of an actuator at rest.
+pub const RESTS_S: f64 = 0.1;
 /// The part of a session that its start may still be seen in: one in so many.
 const START: usize = 10;
 /// What a reading may lie beyond the session's own loop at a voltage and still belong there, as a fraction
 /// of the stroke.
 const BEYOND: f64 = 0.1;
+
+/// Whether a voltage (V) of a log is still its first, for what the log goes over, V.
+pub(crate) fn stands(voltage: f64, first: f64, span_v: f64) -> bool {
+    (voltage - first).abs() <= SAME * span_v
+}
+
+/// Whether a log's voltage (V) moves before it has stood for [`RESTS_S`]: what the actuator remembers and still creeps
+/// from is then not known.
+pub fn begins_in_motion(time_s: &[f64], voltage: &[f64]) -> bool {
+    let (Some(begins), Some(&first)) = (time_s.first(), voltage.first()) else { return false };
+    let (low, high) = extent(voltage.iter().copied());
+    let mut soon = time_s.iter().zip(voltage).take_while(|(time, _)| *time - begins < RESTS_S);
+    soon.any(|(_, voltage)| !stands(*voltage, first, high - low))
+}
 
 /// Prepares a log that has been cut, with what it shows of its start.
 ///
@@ -95,6 +111,18 @@ mod tests {
             displacement_estimated: false,
             holes: Vec::new(),
         }
+    }
+
+    #[test]
+    fn a_log_begins_at_rest_where_its_voltage_stands_at_first() {
+        let times: Vec<f64> = (0..4000).map(|k| f64::from(k) * 5e-4).collect();
+        let from = |rest_s: f64| {
+            let swing = |t: &f64| 50.0 - 50.0 * libm::cos(60.0 * (t - rest_s).max(0.0)) + 0.1 * (1e3 * t).sin();
+            times.iter().map(swing).collect::<Vec<f64>>()
+        };
+        assert!(begins_in_motion(&times, &from(0.0)) && begins_in_motion(&times, &from(0.05)));
+        assert!(!begins_in_motion(&times, &from(0.2)));
+        assert!(!begins_in_motion(&times, &vec![3.0; 4000]) && !begins_in_motion(&[], &[]));
     }
 
     #[test]

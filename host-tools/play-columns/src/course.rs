@@ -4,7 +4,7 @@
 //! its loop too narrow.
 
 use log_survey::settled::settled;
-use log_survey::{corners, corners_left_out, stands_still_s};
+use log_survey::{RESTS_S, corners, corners_left_out, stands_still_s};
 use recordings::session::{Session, one_of_each};
 use std::ops::RangeInclusive;
 
@@ -12,9 +12,6 @@ use std::ops::RangeInclusive;
 const READINGS: usize = 10_000;
 /// Most of one session, which may have the fewest however many sessions there are.
 const OF_ONE: RangeInclusive<usize> = 1_000..=5_000;
-
-/// A voltage that stands still for so long at first, s, is that of an actuator at rest.
-const RESTS_S: f64 = 0.1;
 
 /// The way through a session.
 pub struct Course {

@@ -6,7 +6,7 @@ use crate::coverage::Coverage;
 use crate::scope::Scope;
 use crate::told::Told;
 use estimator_core::Table;
-use log_survey::{correlation_of, range};
+use log_survey::{begins_in_motion, correlation_of, range};
 use serde::Serialize;
 
 /// A reason to look at the log before its figures are believed.
@@ -33,6 +33,8 @@ pub enum Suspicion {
         since: Since,
         /// How often it does, %.
         held_percent: f64,
+        /// The log begins in motion: what the actuator creeps from is in no interval.
+        in_motion: bool,
     },
 }
 
@@ -123,7 +125,8 @@ impl Suspicion {
         let &Comparison { interval, interval_one_cycle, .. } = comparison;
         let (since, coverage) = asked(told, scope.zero_at_s.is_some(), interval, interval_one_cycle);
         let held_percent = coverage?.covered_percent;
-        (held_percent < NARROW).then_some(Self::Narrow { since, held_percent })
+        let in_motion = begins_in_motion(&comparison.trace.time_s, &comparison.trace.voltage);
+        (held_percent < NARROW).then_some(Self::Narrow { since, held_percent, in_motion })
     }
 }
 
