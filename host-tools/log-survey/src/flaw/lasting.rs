@@ -5,10 +5,11 @@
 //! y = a + b·t + c·v + Σ_i w_i·play_i(v) + Σ_k s_k·[row > k]        by least squares over the whole log
 //! ```
 //!
-//! Plays of the voltage say what the displacement does on any way; s_k is then the level behind a leap at row k.
+//! Plays of the voltage say what the displacement does on any way; s_k is then the level behind a leap at row k. Where
+//! the voltage stands long enough around it, the readings there say it themselves.
 
-use super::leaps::BACK;
-use super::steps::ROWS;
+use super::leaps::{BACK, GLITCH_ROWS};
+use super::steps::{ROWS, STANDS};
 use crate::signal::ends;
 use estimator_core::model::play;
 use least_squares::{Normal, Sign, Waiting};
@@ -41,7 +42,20 @@ pub fn lasting(
     }
     let rows: Vec<usize> = leaps.iter().map(|&(row, _)| row).collect();
     let levels = levels(voltage, displacement, &sound, &rows).unwrap_or_else(|| vec![0.0; leaps.len()]);
-    levels.iter().zip(leaps).map(|(level, (_, leap_um))| LASTS.contains(&(level / leap_um))).collect()
+    let level = |(level, &(row, _)): (&f64, &(usize, f64))| standing(voltage, displacement, row).unwrap_or(*level);
+    let all = levels.iter().zip(leaps);
+    all.map(|(found, leap)| LASTS.contains(&(level((found, leap)) / leap.1))).collect()
+}
+
+/// What the level is above the one before a row, longer behind it than a glitch lasts, µm; `None` where the voltage
+/// moves meanwhile.
+fn standing(voltage: &[f64], displacement: &[f64], row: usize) -> Option<f64> {
+    let around = row.checked_sub(2 * ROWS)?..row + 2 * ROWS + GLITCH_ROWS;
+    let ((low, high), all) = (ends(voltage.get(around.clone())?), ends(voltage));
+    let mean = |rows: &[f64]| rows.iter().sum::<f64>() / rows.len() as f64;
+    let measured = displacement.get(around)?;
+    let level = mean(&measured[measured.len() - ROWS..]) - mean(&measured[..ROWS]);
+    (high - low <= STANDS * (all.1 - all.0)).then_some(level)
 }
 
 /// What the level behind each of these rows is above the one before, µm; `None` where nothing tells.

@@ -5,7 +5,7 @@ pub const ROWS: usize = 8;
 /// Most rows of a spike.
 pub(crate) const SPIKE_ROWS: usize = 3;
 /// Most rows of a glitch, which leaps away in one row and back in another.
-const GLITCH_ROWS: usize = 60;
+pub(crate) const GLITCH_ROWS: usize = 60;
 /// A spike leaps by this many times the steps that all but one in 20 are within,
 const STEPS: f64 = 6.0;
 /// and by this part of the range,

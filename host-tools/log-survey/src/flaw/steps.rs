@@ -6,14 +6,17 @@
 
 use super::leaps::EXPLAINED;
 use crate::noise::noise_of;
-use crate::signal::resolution;
+use crate::signal::{ends, resolution};
 
 /// Rows of a line, on either side.
 pub(crate) const ROWS: usize = 8;
 /// A step is over within so many rows on either side of where it is steepest.
 pub(crate) const SPREAD: usize = 2;
-/// It is this part of the stroke,
+/// It is this part of the stroke, or this where the voltage stands and nothing but creep moves,
 const LEAST: f64 = 0.03;
+const LEAST_STANDING: f64 = 0.008;
+/// which it does where it goes over no more than this part of its range.
+pub(crate) const STANDS: f64 = 0.01;
 /// so many deviations of the noise,
 const DEVIATIONS: f64 = 8.0;
 /// so many times the least step between two rows, for a coarse sensor does nothing but step,
@@ -32,13 +35,18 @@ const ALIKE: f64 = 0.5;
 pub fn steps(voltage: &[f64], displacement: &[f64], volts: f64, stroke: f64, period: f64) -> Vec<(usize, f64)> {
     let (measured, commanded) = (gaps(displacement), gaps(voltage));
     let noise = DEVIATIONS * noise_of(displacement).unwrap_or(0.0);
-    let least = (LEAST * stroke).max(noise).max(RESOLUTIONS * resolution(displacement));
+    let read = noise.max(RESOLUTIONS * resolution(displacement));
     let late = ((LATE_S / period) as usize).max(2 * ROWS);
     let largest = |gaps: &[f64], from: usize, end: usize| {
         let end = end.min(gaps.len());
         gaps[from.min(end)..end].iter().map(|gap| gap.abs()).fold(0.0, f64::max)
     };
     let early = |at: usize, rows: usize| at.saturating_sub(rows);
+    let stands = |at: usize| {
+        let (low, high) = ends(&voltage[early(at, late)..(at + 4 * ROWS).min(voltage.len())]);
+        high - low <= STANDS * volts
+    };
+    let least = |at: usize| (if stands(at) { LEAST_STANDING } else { LEAST } * stroke).max(read);
     let unexplained = |&(at, gap): &(usize, f64)| {
         let gap = gap.abs();
         // Of two that are alike it is the first.
@@ -51,14 +59,15 @@ pub fn steps(voltage: &[f64], displacement: &[f64], volts: f64, stroke: f64, per
     };
     // What a log begins with may follow a voltage before it.
     let seen = measured.iter().copied().enumerate().take(measured.len().saturating_sub(2 * ROWS)).skip(late);
-    let leaps: Vec<(usize, f64)> = seen.filter(|(_, gap)| gap.abs() > ALIKE * least).filter(unexplained).collect();
+    let large = |(_, gap): &(usize, f64)| gap.abs() > ALIKE * read.max(LEAST_STANDING * stroke);
+    let leaps: Vec<(usize, f64)> = seen.filter(large).filter(unexplained).collect();
     let mut sizes: Vec<f64> = leaps.iter().map(|(_, gap)| gap.abs()).collect();
     sizes.sort_unstable_by(f64::total_cmp);
     let is_step = |&&(at, gap): &&(usize, f64)| {
         let before = largest(&measured, early(at, 4 * ROWS), early(at, 2 * ROWS));
         let behind = largest(&measured, at + 2 * ROWS + 1, at + 4 * ROWS + 1);
         let alike = sizes.len() - sizes.partition_point(|other| *other <= ALIKE * gap.abs());
-        gap.abs() > least.max(FURTHER * before.max(behind)) && alike < MANY
+        gap.abs() > least(at).max(FURTHER * before.max(behind)) && alike < MANY
     };
     let step = |&(at, _): &_| (at + ROWS - 1, gap(&displacement[at - SPREAD..at + 2 * ROWS + SPREAD], SPREAD));
     leaps.iter().filter(is_step).map(step).collect()
@@ -142,6 +151,24 @@ mod tests {
                     assert!(largest < off, "{which}: {largest} µm");
                 }
             }
+        }
+    }
+
+    /// Less of the stroke than one in motion has to be, where the noise lets it.
+    #[test]
+    fn a_small_step_while_the_voltage_stands_is_found() {
+        for (seed, kind) in (1u32..).zip(CATALOGUE) {
+            let plant = Plant::drawn(kind, seed.into());
+            let waveform = Waveform::Staircase { amplitude: 0.8 * plant.full_v, steps: 6, hold_s: 0.4 };
+            let clean = plant.log("log", &waveform, 4.0, seed.into());
+            assert_eq!(flaws(&clean), [], "{}", kind.name());
+            let at = (2.2 / clean.sample_period) as usize;
+            let displacement = clean.displacement.as_deref().unwrap();
+            let stroke = crate::stroke(&clean.voltage, displacement, 0.0);
+            let leap = (0.012 * stroke).max(16.0 * crate::noise_of(displacement).unwrap());
+            let found = flaws(&stepped(&clean, at, leap, 1));
+            let [Flaw::Step { leap_um, .. }] = found[..] else { panic!("{}, {leap} µm: {found:?}", kind.name()) };
+            assert!((leap_um - leap).abs() < 0.3 * leap, "{}: {leap_um} µm of {leap} µm", kind.name());
         }
     }
 
