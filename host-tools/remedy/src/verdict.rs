@@ -6,6 +6,9 @@ use findings::Micrometres;
 use identification::{Doubt, Outcome};
 use std::path::Path;
 
+/// A displacement that is further behind its voltage, s, may be so by its sensor.
+const LATE_S: f64 = 1e-3;
+
 /// How good it is, in plain words. Of logs that a board recorded the volts are known.
 pub fn verdict(outcome: &Outcome, by_board: bool) -> Vec<String> {
     let (candidate, learnt) = (outcome.judged(), &outcome.learnt);
@@ -57,6 +60,15 @@ pub fn verdict(outcome: &Outcome, by_board: bool) -> Vec<String> {
     sentences.push(findings::proven(&learnt.candidate.table));
     let recipe = &learnt.context.recipe;
     sentences.push(format!("{}.", findings::zeros(recipe)));
+    let table = &learnt.candidate.table;
+    let late_s = f64::from(table.parameters.delay_ticks()) * recipe.tick_s() + f64::from(table.parameters.lag_s());
+    if late_s > LATE_S {
+        sentences.push(format!(
+            "The model has the displacement {:.1} ms behind the voltage, as an actuator and its mount may be. What of it is the sensor's own (a filter, \
+             a converter) makes the estimate as late: state that with --delay.",
+            late_s * 1e3
+        ));
+    }
     let volts = outcome.learnt_from().training_voltages();
     let recorded = Range { min: volts.min + recipe.voltage_zero_v, max: volts.max + recipe.voltage_zero_v };
     if let Some(asked) = findings::monitor_asked(recorded).filter(|_| recipe.voltage_scale == 1.0 && !by_board) {
