@@ -43,19 +43,20 @@ impl Content {
     /// Of a log; `None` where it is too short, or has no displacement.
     pub fn of(log: &Log) -> Option<Self> {
         let displacement = log.displacement.as_deref()?;
-        let displacement = displacement.get(..log.voltage.len())?;
-        let quarter = displacement.len() / STRETCHES;
+        let (voltage, displacement) = (without_holes(&log.voltage, log), without_holes(displacement, log));
+        let quarter = displacement.len().min(voltage.len()) / STRETCHES;
         if quarter < 2 * LENGTH {
             return None;
         }
-        let at: Vec<usize> = (0..STRETCHES).map(|k| liveliest(displacement, k * quarter, quarter)).collect();
+        let at: Vec<usize> =
+            (0..STRETCHES).map(|k| liveliest(&displacement, k * quarter, quarter)).collect::<Option<_>>()?;
         let kept = |series: &[f64]| at.iter().flat_map(|&at| series[at..at + LENGTH].to_vec()).collect();
         Some(Self {
             sample_period_s: log.sample_period,
-            voltage_v: kept(&log.voltage),
-            displacement_um: kept(displacement),
-            rounding_v: step(&without_holes(&log.voltage, log)),
-            rounding_um: step(&without_holes(displacement, log)),
+            voltage_v: kept(&voltage),
+            displacement_um: kept(&displacement),
+            rounding_v: step(&voltage),
+            rounding_um: step(&displacement),
             at,
         })
     }
@@ -121,7 +122,7 @@ impl Searched {
     /// Whether a part that begins in this row is the log's: all stretches that lie wholly within the log are.
     fn holds(&self, stretches: &[Vec<Sample>], begins: i64) -> bool {
         let (mut whole, mut moved) = (0, 0);
-        for stretch in stretches {
+        for stretch in stretches.iter().filter(|stretch| stretch.len() >= LENGTH / 2) {
             let Some(has) = stretch.iter().map(|sample| self.has(sample, begins)).collect::<Option<Vec<bool>>>() else {
                 continue;
             };
@@ -130,7 +131,7 @@ impl Searched {
             }
             let [_, rounding] = &self.rounding;
             whole += 1;
-            moved += stretch.windows(2).filter(|pair| rounding.tells(pair[0].values[1], pair[1].values[1])).count();
+            moved += stretch.windows(2).filter(|pair| !rounding.allows(pair[0].values[1], pair[1].values[1])).count();
         }
         whole >= WHOLE && moved >= MOVED
     }
@@ -158,12 +159,13 @@ fn ratio(row_s: f64, sample_s: f64) -> Option<(usize, usize)> {
     thinned.or_else(|| Some((multiple(sample_s / row_s, MOST_ROWS)?, 1)))
 }
 
-/// The first sample of the stretch along which the displacement goes furthest, among `count` samples from `from` on.
-fn liveliest(displacement: &[f64], from: usize, count: usize) -> usize {
+/// The first sample of the stretch along which the displacement goes furthest, among `count` samples from `from` on;
+/// `None` where each has a hole.
+fn liveliest(displacement: &[f64], from: usize, count: usize) -> Option<usize> {
     let travelled =
-        |at: usize| -> f64 { displacement[at..at + LENGTH].windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum() };
-    let further = |a: &usize, b: &usize| travelled(*a).total_cmp(&travelled(*b));
-    (from..=from + count - LENGTH).max_by(further).unwrap_or(from)
+        |at: &usize| -> f64 { displacement[*at..*at + LENGTH].windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum() };
+    let whole = (from..=from + count - LENGTH).filter(|at| travelled(at).is_finite());
+    whole.max_by(|a, b| travelled(a).total_cmp(&travelled(b)))
 }
 
 /// The values that the log's file has, and none (NaN) where it has no number.

@@ -2,10 +2,12 @@
 
 /// By how much a rounded value may be off, of what it was rounded to.
 const HALF: f64 = 0.51;
-/// Steps finer than this part of the span are none: they come of the arithmetic of programs, which is why any value may
-/// be off by the other part of it.
+/// Steps finer than this part of the span come of the arithmetic of programs, and are none.
 const NO_STEP: f64 = 1e-9;
+/// Part of the span by which any value may be off, however fine the step is.
 const FINEST: f64 = 1e-6;
+/// A number of so many digits is whole within this.
+const WHOLE: f64 = 1e-6;
 /// The coarsest step, of the span, that is taken for rounding, and not for levels at which an actuator was driven.
 const COARSEST: f64 = 1e-3;
 /// Significant digits that programs keep at least.
@@ -44,20 +46,17 @@ impl Rounding {
         (one - other).abs() <= self.at(one, other)
     }
 
-    /// Whether two values are two, however they were rounded.
-    pub fn tells(&self, one: f64, other: f64) -> bool {
-        (one - other).abs() > 2.0 * self.at(one, other)
-    }
-
+    /// By how much one of two values may be off that are the same one, which was rounded for the other.
     fn at(&self, one: f64, other: f64) -> f64 {
-        self.step + if self.digits { HALF * last_digit(one.abs().max(other.abs())) } else { 0.0 }
+        let digit = if self.digits { HALF * last_digit(one.abs().max(other.abs())) } else { 0.0 };
+        self.step.max(digit)
     }
 }
 
 /// Whether a value has no more significant digits than programs keep; one that is none has few.
 fn has_few_digits(value: f64) -> bool {
     let digits = value / last_digit(value);
-    !value.is_finite() || value == 0.0 || (digits - digits.round()).abs() < FINEST
+    !value.is_finite() || value == 0.0 || (digits - digits.round()).abs() < WHOLE
 }
 
 /// What the last significant digit of a value counts.
@@ -88,9 +87,9 @@ mod tests {
             assert!(has_few_digits(few), "{few}");
         }
         assert!(!has_few_digits(12.345_6) && !has_few_digits(250.123));
-        let rounding = Rounding::of(&[12.345, 0.5], &[12.345_4], 0.0);
-        assert!(rounding.allows(12.345, 12.345_4) && !rounding.tells(12.345, 12.345_4));
+        let rounding = Rounding { step: 0.0, ..Rounding::of(&[12.345, 0.5], &[12.345_4], 0.0) };
+        assert!(rounding.allows(12.345, 12.345_4) && !rounding.allows(12.345, 12.346));
         let whole = Rounding::of(&[12.345_1, 12.345_2], &[12.345_4, 12.345_6], 0.0);
-        assert!(whole.tells(12.345_1, 12.345_4));
+        assert!(!whole.allows(12.345_1, 12.345_4));
     }
 }

@@ -129,13 +129,16 @@ fn far_from_zero_noise_still_tells_two_logs() {
     let commanded = |seed: u64| Log { voltage: log(1).voltage, ..offset(seed) };
     let content = Content::of(&commanded(1)).unwrap();
     assert_eq!(content.begins_in(&commanded(2)), None);
+    let coarse = |seed: u64| sensed(&commanded(seed), |_, x| (x * 100.0).round() / 100.0);
+    assert_eq!(Content::of(&coarse(1)).unwrap().begins_in(&coarse(2)), None, "of five digits");
     assert_eq!(content.begins_in(&rounded(&commanded(1))), Some(0.0));
 }
 
 #[test]
 fn a_copy_in_which_holes_were_bridged_is_known() {
     let mut copy = rounded(&log(1));
-    copy.holes = vec![400..403, 1200..1201];
+    let lively = Content::of(&log(1)).unwrap().at;
+    copy.holes = vec![lively[0] + 3..lively[0] + 5, 1200..1201];
     for hole in copy.holes.clone() {
         copy.voltage[hole.clone()].fill(1.0 + 1e-7);
         copy.displacement.as_mut().unwrap()[hole].fill(1.0 + 1e-7);
