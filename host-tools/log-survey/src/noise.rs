@@ -1,16 +1,19 @@
 //! Noise of a series, as what its sixth differences scatter: a slow course has next to none of them, and of a fast one
-//! they are told by the twelfth.
+//! that is smooth, as a sine is, they are told by the twelfth.
 
 /// Most differences of an order that are kept of a stream; at more, every second goes.
 const MOST: usize = 1 << 16;
-/// Coefficients of the sixth difference. It takes 99.9 % off a sine of 100 Hz that is sampled at 2 kHz, and white noise
-/// of deviation 1 gives it the root of the sum of their squares.
+/// Coefficients of the sixth difference. It takes 99.9 % off a sine of 100 Hz that is sampled at 2 kHz. The sixth of
+/// the sixth is the twelfth: a sine of eight samples a period adds as little to that as one of twenty to the sixth.
 const SIXTH: [f64; 7] = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
-/// Those of the twelfth: a sine of eight samples a period adds as little to its white noise as one of twenty to that of
-/// the sixth.
-const TWELFTH: [f64; 13] = [1.0, -12.0, 66.0, -220.0, 495.0, -792.0, 924.0, -792.0, 495.0, -220.0, 66.0, -12.0, 1.0];
-/// White noise gives both the same deviation, and what a converter has averaged gives the twelfth somewhat less; where
-/// that has less than this part, the sixth have the course.
+const ORDER: usize = SIXTH.len();
+/// Variances that the sixth and the twelfth have of white noise of deviation 1: their coefficients' squares, summed.
+const OF_SIXTH: f64 = 924.0;
+const OF_TWELFTH: f64 = 2_704_156.0;
+/// In these units white noise has the same deviation by both, and noise that was averaged, or filtered by up to the
+/// third order, by the twelfth from a quarter as much to about as much; where that is less, the sixth have the course.
+/// So a course of eight samples a period or more may make the noise four times as large as it is, and what a steeper
+/// filter leaves is stated too small.
 const COURSE: f64 = 0.25;
 /// Fewest twelfth differences that are believed.
 const FEWEST: usize = 50;
@@ -20,36 +23,40 @@ const MEDIAN: f64 = 0.674_489_75;
 /// One standard deviation of the noise of readings that were taken evenly in time, in their unit: by the median of
 /// their sixth differences, or of their twelfth where the sixth still have the course; `None` of too few.
 pub fn noise_of(read: &[f64]) -> Option<f64> {
-    let sixth = read.windows(SIXTH.len()).map(|window| difference(window, &SIXTH)).collect();
-    let twelfth = read.windows(TWELFTH.len()).map(|window| difference(window, &TWELFTH)).collect();
+    let sixth: Vec<f64> = read.windows(ORDER).map(difference).collect();
+    let twelfth = sixth.windows(ORDER).map(difference).collect();
     of_differences(sixth, twelfth)
 }
 
-fn difference(window: &[f64], coefficients: &[f64]) -> f64 {
-    window.iter().zip(coefficients).map(|(value, factor)| value * factor).sum::<f64>().abs()
+fn difference(window: &[f64]) -> f64 {
+    window.iter().zip(SIXTH).map(|(value, factor)| value * factor).sum()
 }
 
 fn of_differences(sixth: Vec<f64>, twelfth: Vec<f64>) -> Option<f64> {
     let believed = twelfth.len() >= FEWEST;
-    let sixth = deviation(sixth, &SIXTH)?;
-    let twelfth = believed.then(|| deviation(twelfth, &TWELFTH)).flatten();
+    let sixth = deviation(sixth, OF_SIXTH)?;
+    let twelfth = believed.then(|| deviation(twelfth, OF_TWELFTH)).flatten();
     Some(twelfth.filter(|twelfth| *twelfth < COURSE * sixth).unwrap_or(sixth))
 }
 
-/// The standard deviation of white noise whose differences have this median: outliers do not count. `None` of none.
-fn deviation(mut differences: Vec<f64>, coefficients: &[f64]) -> Option<f64> {
+/// The standard deviation of white noise whose differences, of this variance for a deviation of 1, have this median
+/// size: outliers do not count. `None` of none.
+fn deviation(mut differences: Vec<f64>, variance: f64) -> Option<f64> {
     let middle = differences.len() / 2;
     (!differences.is_empty()).then(|| {
-        let median = *differences.select_nth_unstable_by(middle, f64::total_cmp).1;
-        median / MEDIAN / coefficients.iter().map(|factor| factor * factor).sum::<f64>().sqrt()
+        let by_size = |a: &f64, b: &f64| a.abs().total_cmp(&b.abs());
+        let median = differences.select_nth_unstable_by(middle, by_size).1.abs();
+        median / MEDIAN / variance.sqrt()
     })
 }
 
 /// The differences of a stream so far.
 #[derive(Default)]
 pub(crate) struct Noise {
-    last: [f64; TWELFTH.len()],
-    rows: u64,
+    /// The last values, and the last sixth differences.
+    last: [f64; ORDER],
+    last_sixth: [f64; ORDER],
+    rows: usize,
     every: u32,
     sixth: Vec<f64>,
     twelfth: Vec<f64>,
@@ -57,17 +64,17 @@ pub(crate) struct Noise {
 
 impl Noise {
     pub fn add(&mut self, value: f64) {
-        self.last.rotate_left(1);
-        self.last[TWELFTH.len() - 1] = value;
+        push(&mut self.last, value);
+        push(&mut self.last_sixth, difference(&self.last));
         self.rows += 1;
         if !self.rows.is_multiple_of(1 << self.every) {
             return;
         }
-        if self.rows >= SIXTH.len() as u64 {
-            self.sixth.push(difference(&self.last[TWELFTH.len() - SIXTH.len()..], &SIXTH));
+        if self.rows >= ORDER {
+            self.sixth.push(self.last_sixth[ORDER - 1]);
         }
-        if self.rows >= TWELFTH.len() as u64 {
-            self.twelfth.push(difference(&self.last, &TWELFTH));
+        if self.rows >= 2 * ORDER - 1 {
+            self.twelfth.push(difference(&self.last_sixth));
         }
         if self.sixth.len() >= MOST {
             for kept in [&mut self.sixth, &mut self.twelfth] {
@@ -85,6 +92,11 @@ impl Noise {
     pub fn deviation(&self) -> f64 {
         of_differences(self.sixth.clone(), self.twelfth.clone()).unwrap_or(0.0)
     }
+}
+
+fn push(last: &mut [f64; ORDER], value: f64) {
+    last.rotate_left(1);
+    last[ORDER - 1] = value;
 }
 
 #[cfg(test)]
@@ -110,10 +122,12 @@ mod tests {
 
     #[test]
     fn a_fast_course_is_not_taken_for_noise() {
-        for samples in [400.0, 20.3, 10.1, 8.3] {
+        for (samples, most) in
+            [(400.0, 1.15), (20.3, 1.15), (18.0, 4.2), (16.0, 4.2), (15.1, 4.2), (10.1, 1.15), (8.3, 1.15)]
+        {
             let read = sine(samples, 1e-3);
             let found = noise_of(&read).unwrap();
-            assert!((found / 1e-3 - 1.0).abs() < 0.15, "{samples} samples a period: {found}");
+            assert!((0.85..most).contains(&(found / 1e-3)), "{samples} samples a period: {found}");
             assert_eq!(streamed(&read), found);
         }
         assert_eq!((noise_of(&[0.0; 6]), streamed(&[1.0; 6])), (None, 0.0));
@@ -122,7 +136,15 @@ mod tests {
     #[test]
     fn what_was_averaged_is_noise_all_the_same() {
         let averaged: Vec<f64> = sine(400.0, 0.05).windows(4).map(|of| of.iter().sum::<f64>() / 4.0).collect();
-        let sixth = averaged.windows(SIXTH.len()).map(|window| difference(window, &SIXTH)).collect();
-        assert_eq!(noise_of(&averaged), deviation(sixth, &SIXTH));
+        let sixth = averaged.windows(ORDER).map(difference).collect();
+        assert_eq!(noise_of(&averaged), deviation(sixth, OF_SIXTH));
+    }
+
+    /// Of more readings than are kept every second difference, or every fourth.
+    #[test]
+    fn a_long_stream_has_the_noise_of_its_readings() {
+        let readings: Vec<f64> = (0..80).flat_map(|_| sine(20.3, 1e-3)).collect();
+        let (found, whole) = (streamed(&readings), noise_of(&readings).unwrap());
+        assert!((found / whole - 1.0).abs() < 0.02, "{found} of {whole}");
     }
 }

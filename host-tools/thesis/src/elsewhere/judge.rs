@@ -1,7 +1,6 @@
 //! Learning a subject with models, and judging what came of it.
 
 use super::bootstrap::blocks;
-use super::noise::floor_um;
 use super::subject::{Subject, Trial};
 use crate::error::ThesisError;
 use estimator_core::Model;
@@ -9,6 +8,7 @@ use identification::validate::{
     Comparison, Coverage, Estimates, Instant, Scope, Told, ToldFigures, compare_within, errors_within, estimates,
 };
 use identification::{Candidate, Identification, Prepared, StraightLine, prepared};
+use log_survey::noise_of;
 use prediction_interval::DEVICES;
 use recordings::session::Session;
 
@@ -69,7 +69,7 @@ pub fn learn(subject: &Subject, models: &[Model]) -> Result<Vec<Judged>, ThesisE
         device: subject.device.clone(),
         condition: trial.condition,
         model,
-        noise_floor_um: trial.log.displacement.as_deref().and_then(floor_um),
+        noise_floor_um: trial.log.displacement.as_deref().and_then(noise_of),
         errors,
     };
     for fit in fits {

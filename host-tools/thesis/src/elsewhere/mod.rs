@@ -7,7 +7,6 @@
 
 mod bootstrap;
 mod judge;
-mod noise;
 mod subject;
 mod summary;
 
