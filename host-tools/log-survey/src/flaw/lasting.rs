@@ -10,7 +10,7 @@
 
 use super::leaps::{BACK, GLITCH_ROWS};
 use super::steps::{ROWS, STANDS};
-use crate::signal::ends;
+use crate::signal::{ends, range};
 use estimator_core::model::play;
 use least_squares::{Normal, Sign, Waiting};
 use std::ops::RangeInclusive;
@@ -42,20 +42,24 @@ pub fn lasting(
     }
     let rows: Vec<usize> = leaps.iter().map(|&(row, _)| row).collect();
     let levels = levels(voltage, displacement, &sound, &rows).unwrap_or_else(|| vec![0.0; leaps.len()]);
-    let level = |(level, &(row, _)): (&f64, &(usize, f64))| standing(voltage, displacement, row).unwrap_or(*level);
-    let all = levels.iter().zip(leaps);
-    all.map(|(found, leap)| LASTS.contains(&(level((found, leap)) / leap.1))).collect()
+    let volts = range(voltage);
+    let judged = levels.iter().zip(leaps).map(|(level, &leap)| {
+        let level = standing(voltage, displacement, volts, leap.0).unwrap_or(*level);
+        LASTS.contains(&(level / leap.1))
+    });
+    judged.collect()
 }
 
-/// What the level is above the one before a row, longer behind it than a glitch lasts, µm; `None` where the voltage
-/// moves meanwhile.
-fn standing(voltage: &[f64], displacement: &[f64], row: usize) -> Option<f64> {
-    let around = row.checked_sub(2 * ROWS)?..row + 2 * ROWS + GLITCH_ROWS;
-    let ((low, high), all) = (ends(voltage.get(around.clone())?), ends(voltage));
+/// What the level is above the one before a row, µm, on either side further from it than a glitch lasts; `None` where
+/// the voltage, whose range is `volts`, moves meanwhile.
+fn standing(voltage: &[f64], displacement: &[f64], volts: f64, row: usize) -> Option<f64> {
+    let far = 2 * ROWS + GLITCH_ROWS;
+    let around = row.checked_sub(far)?..row + far;
+    let (low, high) = ends(voltage.get(around.clone())?);
     let mean = |rows: &[f64]| rows.iter().sum::<f64>() / rows.len() as f64;
     let measured = displacement.get(around)?;
     let level = mean(&measured[measured.len() - ROWS..]) - mean(&measured[..ROWS]);
-    (high - low <= STANDS * (all.1 - all.0)).then_some(level)
+    (high - low <= STANDS * volts).then_some(level)
 }
 
 /// What the level behind each of these rows is above the one before, µm; `None` where nothing tells.

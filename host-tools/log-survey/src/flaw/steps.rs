@@ -12,10 +12,10 @@ use crate::signal::{ends, resolution};
 pub(crate) const ROWS: usize = 8;
 /// A step is over within so many rows on either side of where it is steepest.
 pub(crate) const SPREAD: usize = 2;
-/// It is this part of the stroke, or this where the voltage stands and nothing but creep moves,
+/// It is this part of the stroke, or this where the voltage stands, since little else moves the displacement there,
 const LEAST: f64 = 0.03;
 const LEAST_STANDING: f64 = 0.008;
-/// which it does where it goes over no more than this part of its range.
+/// as it does where it goes over no more than this part of its range.
 pub(crate) const STANDS: f64 = 0.01;
 /// so many deviations of the noise,
 const DEVIATIONS: f64 = 8.0;
@@ -169,6 +169,19 @@ mod tests {
             let found = flaws(&stepped(&clean, at, leap, 1));
             let [Flaw::Step { leap_um, .. }] = found[..] else { panic!("{}, {leap} µm: {found:?}", kind.name()) };
             assert!((leap_um - leap).abs() < 0.3 * leap, "{}: {leap_um} µm of {leap} µm", kind.name());
+        }
+    }
+
+    /// Smaller than a leap that is looked for as one, and longer than what a level is told by.
+    #[test]
+    fn a_small_bump_while_the_voltage_stands_is_no_step() {
+        let volts = |row: usize| 20.0 * (row / 2_000) as f64;
+        let voltage: Vec<f64> = (0..12_000).map(volts).collect();
+        for rows in [20, 33, 41, 50, 60, 66] {
+            let bump = |row: usize| if (5_000..5_000 + rows).contains(&row) { 0.2 } else { 0.0 };
+            let read = |row: usize| 0.1 * volts(row) + bump(row) + 0.003 * f64::from([1, -1, 1, -1, -1, 1, 1][row % 7]);
+            let displacement: Vec<f64> = (0..12_000).map(read).collect();
+            assert!(!has_steps(&voltage, &displacement), "{rows} rows");
         }
     }
 
