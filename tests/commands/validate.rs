@@ -248,6 +248,7 @@ fn a_pm_that_holds_the_sensor_too_rarely_is_asked_about() {
         asked.contains("day2: the ±, told one cycle, holds the sensor 7") && asked.contains("learn from this log, too"),
         "{asked}"
     );
+    assert!(asked.contains("the voltage moves from the first sample on"), "{asked}");
     assert!(!said(1.0).contains("learn from this log, too"), "as it was measured");
 }
 

@@ -14,7 +14,7 @@ const MOSTLY: f64 = 50.0;
 /// A voltage within the table's range that goes over less than this part of it rests.
 const RESTS: f64 = 0.005;
 
-/// Why little is known of what follows, where a log's voltage moves from the first sample on.
+/// Why a ± may be too small, where a log's voltage moves from the first sample on.
 pub(crate) const BEGINS_IN_MOTION: &str = "the voltage moves from the first sample on: if the actuator had not rested there until then, as it is taken to \
      have, what it still creeps from is in no ±";
 

@@ -4,6 +4,9 @@ use crate::micrometres::Micrometres;
 use crate::short::counted;
 use prediction_interval::Calibration;
 
+/// The simulated devices have added to what the logs ask for where the width is more than so many times that.
+const ADDS: f64 = 1.02;
+
 /// What the interval says, and where its width comes from: this many simulated devices, and the logs' own errors.
 pub fn interval(interval: Option<&Calibration>, devices: u32) -> String {
     let Some(Calibration { parameters, own_um }) = interval else {
@@ -19,7 +22,7 @@ pub fn interval(interval: Option<&Calibration>, devices: u32) -> String {
     let um = |um: f32| Micrometres(um.into());
     let (misfit, own) = (um(misfit_um), Micrometres(*own_um));
     let devices = counted(devices, "simulated device");
-    let cause = match misfit_um > *own_um as f32 {
+    let cause = match f64::from(misfit_um) > ADDS * own_um {
         true => format!(
             "These logs' own errors ask for ±{own:.3} µm; the rest is a prior, how far off was what was learnt of {devices} from the same voltages"
         ),
@@ -36,10 +39,9 @@ pub fn interval(interval: Option<&Calibration>, devices: u32) -> String {
         false => String::new(),
     };
     format!(
-        "The ± beside the estimate is what it may be off by since the displacement was last told (`piezo zero`), 95 % of the time. \
-         It is at least ±{misfit:.3} µm, where the voltage goes as it did in the training. {cause}. It is more where the voltage goes otherwise \
-         or fast. If the displacement was told before a full swing, the ± widens with that to ±{:.3} µm{at_an_end}, since nobody knows what \
-         was before; told after one, it does not, unless the voltage leaves that range.",
+        "The ± beside the estimate is at least ±{misfit:.3} µm, and grows with the way and the time since the displacement was last told \
+         (`piezo zero`), with speed, and where the voltage goes otherwise than in the training; 95 % of the time the actuator is within it. \
+         {cause}. Told before a full swing, the ± widens with that to ±{:.3} µm{at_an_end}, since nobody knows what was before.",
         um(anywhere_um)
     )
 }
@@ -77,7 +79,7 @@ mod tests {
     #[test]
     fn what_the_simulated_devices_add_is_told_from_what_the_logs_say() {
         let of = |own_um| said(IntervalParameters { misfit_um: 0.006, ..PARAMETERS }, own_um);
-        let (added, own) = (of(0.004), of(0.006));
+        let (added, own) = (of(0.004), of(0.005_95));
         assert!(added.contains("at least ±0.0060 µm"), "{added}");
         assert!(added.contains("own errors ask for ±0.0040 µm; the rest is a prior"), "{added}");
         assert!(own.contains("asks for no more") && !own.contains("prior"), "{own}");

@@ -5,7 +5,7 @@ use crate::flaw::flaw_found;
 use crate::recipe::monitor_asked;
 use crate::short::short;
 use estimator_core::Range;
-use log_survey::{Cell, Clock, ColumnRead, Flaw, Found, RESTS_S, RateSource, Series, Survey};
+use log_survey::{Cell, Clock, ColumnRead, Flaw, Found, HumRead, RESTS_S, RateSource, Series, Survey};
 use recordings::log::{Log, Remark};
 
 /// Rows that are further apart are doubted, s: nothing but creep is recorded so slowly.
@@ -77,6 +77,14 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>, hinders: Option<(&str, &
     }
     if let Some(of) = &survey.ahead {
         line("doubtful", &runs_ahead(of));
+    }
+    if let Some(HumRead { hertz, amplitude_um }) = survey.hum {
+        let words = format!(
+            "±{} µm at {hertz} Hz, which the voltage does not have, as the sensor's cable picks up from the mains: shield it, ground it at one \
+             end, and record again",
+            short(amplitude_um)
+        );
+        line("hum", &words);
     }
     let rows = survey.rows_without_a_number;
     if !measured && (rows > 0 || holed) {
@@ -195,10 +203,12 @@ fn rests(line: &mut dyn FnMut(&str, &str), unit: &str, series: &Series, survey: 
 fn swings(line: &mut dyn FnMut(&str, &str), survey: &Survey) {
     let swings = &survey.swings;
     let Some(voltage) = &survey.voltage else { return };
-    if voltage.low < voltage.high {
-        let begins = match survey.begins_at_rest_s {
-            rests if rests >= RESTS_S => format!("at rest, where the voltage stands for {} s", short(rests)),
-            _ => "in motion, unless the actuator had rested until then: a recording should show some seconds of that rest".to_owned(),
+    if let Some(stands_s) = survey.stands_at_first_s.filter(|_| voltage.low < voltage.high) {
+        let begins = match stands_s >= RESTS_S {
+            true => format!("with a voltage that stands for {} s", short(stands_s)),
+            false => "with a voltage that moves from the first row on: whether the actuator had rested until then is not in the log; record some \
+                      seconds of that rest, too"
+                .to_owned(),
         };
         line("begins", &begins);
     }

@@ -61,19 +61,17 @@ pub fn suspicion(suspicion: &Suspicion) -> String {
             Micrometres(*without_um)
         ),
         Suspicion::Narrow { since, held_percent, in_motion } => format!(
-            "the ±{} holds the sensor {held_percent:.1} % of the time, and says 95 % over many recordings: {}",
+            "the ±{} holds the sensor {held_percent:.1} % of the time, and says 95 % over many recordings: is something else here than in the \
+             training, the load, the temperature, the sensor's zero, scale or mount? If not, learn from this log, too: `piezo identify` takes several{}",
             match since {
                 Since::Zero => " since the zero",
                 Since::OneCycle => ", told one cycle,",
                 Since::Either => "",
             },
-            match in_motion {
-                true => {
-                    format!("{BEGINS_IN_MOTION}. Judge by a log that begins at rest, or a zero that is told late (`--zero-at <S>`)")
-                }
-                false => "is something else here than in the training, the load, the temperature, the sensor's zero, scale or mount? If not, learn \
-                          from this log, too: `piezo identify` takes several"
-                    .to_owned(),
+            if *in_motion {
+                format!(". Besides, {BEGINS_IN_MOTION}; a zero that is told late (`--zero-at <S>`) leaves less of it")
+            } else {
+                String::new()
             }
         ),
     }

@@ -35,7 +35,7 @@ pub enum Doubt {
     PoorFit {
         /// Name of the log on which the error is largest.
         log: String,
-        /// Simulation MAE on it in training, % of the stroke of all logs.
+        /// Simulation MAE on it in training without its constant offset, % of the stroke of all logs.
         percent: f64,
     },
     /// A log holds what is no measurement.

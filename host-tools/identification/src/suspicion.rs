@@ -12,7 +12,7 @@ use std::slice;
 
 /// More reversals than this multiple of the large ones are noise.
 const NOISY: usize = 3;
-/// Training error beyond this percentage of the stroke is no description.
+/// Training error, without its constant offset, beyond this percentage of the stroke is no description.
 const POOR: f64 = 5.0;
 /// Held-out error beyond this multiple of the training error, each beside the logs' own constants.
 const FAR: f64 = 1.5;

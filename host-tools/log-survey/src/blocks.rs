@@ -1,7 +1,5 @@
 //! A log's course in bounded memory: rows next to each other, kept as their extremes.
 
-use crate::start::stands;
-
 /// Most blocks that are kept; at more, two become one.
 const MOST: usize = 1 << 18;
 
@@ -74,11 +72,15 @@ impl Blocks {
         self.rows_a_block
     }
 
-    /// Rows that the voltage stays at first within a part of what it goes over, V; as many blocks as are wholly so.
-    pub fn rows_at_rest(&self, span_v: f64) -> u64 {
-        let Some(first) = self.blocks.first().map(|block| block.first.0) else { return 0 };
-        let still = |block: &&Block| stands(block.voltage.0, first, span_v) && stands(block.voltage.1, first, span_v);
-        self.blocks.iter().take_while(still).count() as u64 * self.rows_a_block
+    /// How many rows go by from the first to the last at which the voltage is still within `still_v` of its first, V;
+    /// as many as blocks are wholly so, but for rows without a voltage.
+    pub fn rows_at_rest(&self, still_v: f64) -> u64 {
+        let Some(first) = self.blocks.iter().map(|block| block.first.0).find(|volts| volts.is_finite()) else {
+            return 0;
+        };
+        let moved = |volts: f64| (volts - first).abs() > still_v;
+        let still = self.blocks.iter().take_while(|block| !moved(block.voltage.0) && !moved(block.voltage.1));
+        (still.count() as u64 * self.rows_a_block).saturating_sub(1)
     }
 
     /// The blocks, without what is left of a last one.

@@ -24,6 +24,9 @@ const ABOVE: f64 = 16.0;
 /// Least part of the mean square that a hum is worth mentioning at, %.
 const WORTH: f64 = 10.0;
 
+/// A line of the readings is none of the voltage's where it has so many times the power of that.
+const UNEXPLAINED: f64 = 4.0;
+
 /// A voltage is driven at a frequency that has this part of its mean square; harmonics are looked at up to this one.
 const DRIVEN: f64 = 0.01;
 const FRACTIONS: u32 = 12;
@@ -39,32 +42,85 @@ pub struct Hum {
     pub percent: f64,
 }
 
+/// A hum in what a sensor read.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct HumRead {
+    /// Its frequency, Hz.
+    pub hertz: u32,
+    /// Its amplitude, µm.
+    pub amplitude_um: f64,
+}
+
 /// The hum in the errors (µm) of a log's readings at these times (s) and voltages (V): a line at a frequency of the
 /// mains that stands out from what is beside it, and than which no other from 10 Hz on is stronger, in more than half
 /// of the log. Where the voltage is driven at that frequency, or at a whole fraction of it, it is the model's own.
 pub fn hum(times_s: &[f64], voltage: &[f64], errors_um: &[f64]) -> Option<Hum> {
-    let count = times_s.len().min(errors_um.len());
-    let period = (times_s.get(count.checked_sub(1)?)? - times_s[0]) / (count.max(2) - 1) as f64;
-    let highest = (HIGHEST / period).min(f64::from(MAINS[3] + BESIDE)) as u32;
-    let mains = || MAINS.into_iter().filter(|hertz| hertz + BESIDE <= highest);
-    mains().next()?;
-    let readings = (BLOCK_S / period).round() as usize;
-    let driven = blocks(times_s, voltage, readings, period);
-    let part = |hertz: u32| median(&driven, |block| block.power(hertz)) / median(&driven, |block| block.mean_square);
-    let drives = |hertz: u32| (1..=FRACTIONS).any(|of| hertz.is_multiple_of(of) && part(hertz / of) > DRIVEN);
-    let blocks = blocks(times_s, errors_um, readings, period);
-    let powers: Vec<f64> = (LOWEST..=highest).map(|hertz| median(&blocks, |block| block.power(hertz))).collect();
-    let at = |hertz: u32| powers[(hertz - LOWEST) as usize];
-    let mean_square = median(&blocks, |block| block.mean_square);
-    mains().find_map(|hertz| {
-        let power = at(hertz);
-        let beside = (WIDE + 1..=BESIDE).flat_map(|by| [hertz - by, hertz + by]).map(at).fold(0.0, f64::max);
-        let others = (LOWEST..=highest).filter(|other| !other.is_multiple_of(hertz) && other.abs_diff(hertz) > WIDE);
-        let strongest = others.map(at).fold(0.0, f64::max);
+    let (driven, errors) = lines(times_s, voltage, errors_um)?;
+    let mean_square = median(&errors.blocks, |block| block.mean_square);
+    errors.mains().filter(|&hertz| errors.stands_out(hertz)).find_map(|hertz| {
+        let power = errors.at(hertz);
+        let others =
+            (LOWEST..=errors.highest).filter(|other| !other.is_multiple_of(hertz) && other.abs_diff(hertz) > WIDE);
+        let strongest = others.map(|hertz| errors.at(hertz)).fold(0.0, f64::max);
         let percent = 100.0 * power / mean_square;
-        let found = power > ABOVE * beside && power > strongest && percent > WORTH && !drives(hertz);
+        let found = power > strongest && percent > WORTH && !driven.drives(hertz);
         found.then(|| Hum { hertz, amplitude_um: (2.0 * power).sqrt(), percent })
     })
+}
+
+/// The hum in the readings (µm) themselves, at these times (s) and voltages (V), of an actuator of so many µm/V: a line
+/// at a frequency of the mains that stands out from what is beside it, and that the voltage does not have.
+pub fn hum_read(times_s: &[f64], voltage: &[f64], read_um: &[f64], um_per_v: f64) -> Option<HumRead> {
+    let (driven, read) = lines(times_s, voltage, read_um)?;
+    read.mains().filter(|&hertz| read.stands_out(hertz)).find_map(|hertz| {
+        let (power, of_voltage) = (read.at(hertz), um_per_v * um_per_v * driven.at(hertz));
+        let found = power > UNEXPLAINED * of_voltage && !driven.drives(hertz);
+        found.then(|| HumRead { hertz, amplitude_um: (2.0 * power).sqrt() })
+    })
+}
+
+/// The lines of a log's voltages and of some of its readings; `None` where no frequency of the mains can be seen.
+fn lines<'a>(times_s: &'a [f64], voltage: &[f64], readings: &[f64]) -> Option<(Lines<'a>, Lines<'a>)> {
+    let count = times_s.len().min(readings.len());
+    let period = (times_s.get(count.checked_sub(1)?)? - times_s[0]) / (count.max(2) - 1) as f64;
+    let highest = (HIGHEST / period).min(f64::from(MAINS[3] + BESIDE)) as u32;
+    let of = |values: &[f64]| Lines {
+        blocks: blocks(times_s, values, (BLOCK_S / period).round() as usize, period),
+        highest,
+    };
+    (MAINS[0] + BESIDE <= highest).then(|| (of(voltage), of(readings)))
+}
+
+/// The parts of a series at whole frequencies.
+struct Lines<'a> {
+    blocks: Vec<Block<'a>>,
+    /// The highest frequency, Hz.
+    highest: u32,
+}
+
+impl Lines<'_> {
+    /// Frequencies of the mains that can be seen, Hz.
+    fn mains(&self) -> impl Iterator<Item = u32> {
+        let highest = self.highest;
+        MAINS.into_iter().filter(move |hertz| hertz + BESIDE <= highest)
+    }
+
+    /// The mean square of the part at a frequency, in more than half of the blocks.
+    fn at(&self, hertz: u32) -> f64 {
+        median(&self.blocks, |block| block.power(hertz))
+    }
+
+    fn stands_out(&self, hertz: u32) -> bool {
+        let beside = (WIDE + 1..=BESIDE).flat_map(|by| [hertz - by, hertz + by]).map(|hertz| self.at(hertz));
+        self.at(hertz) > ABOVE * beside.fold(0.0, f64::max)
+    }
+
+    /// Whether much of a voltage is at a frequency, or at a whole fraction of it.
+    fn drives(&self, hertz: u32) -> bool {
+        let mean_square = median(&self.blocks, |block| block.mean_square);
+        let fractions = (1..=FRACTIONS).filter(|of| hertz.is_multiple_of(*of));
+        fractions.map(|of| self.at(hertz / of)).any(|power| power > DRIVEN * mean_square)
+    }
 }
 
 /// Readings of a second without a gap, their mean taken away, under Hann's window.
@@ -182,6 +238,24 @@ mod tests {
         assert!(hum(&times[..4500], &driven(&times, 1.0), &errors[..4500]).is_none(), "too short");
         assert_eq!(hum(&[], &[], &[]), None);
         assert_eq!(hum(&[0.0], &[0.0], &[0.0]), None);
+    }
+
+    #[test]
+    fn a_hum_that_the_voltage_does_not_have_is_seen_in_the_readings() {
+        let read = |volts_at_mains: f64, drive: f64| {
+            let (times, picked_up) = recorded(1000.0, &[(50.0, 0.03)]);
+            let volts = |(time, volt): (&f64, f64)| volt + volts_at_mains * (TAU * 50.0 * time).sin();
+            let voltage: Vec<f64> = times.iter().zip(driven(&times, drive)).map(volts).collect();
+            let read: Vec<f64> = voltage.iter().zip(&picked_up).map(|(volt, um)| 0.1 * volt + um).collect();
+            hum_read(&times, &voltage, &read, 0.1)
+        };
+        let hum = read(0.0, 1.0).unwrap();
+        assert_eq!(hum.hertz, 50);
+        assert!((hum.amplitude_um - 0.03).abs() < 2e-3, "{hum:?}");
+        assert_eq!(read(1.0, 1.0), None, "the voltage has three times as much there");
+        assert_eq!(read(0.0, 10.0), None, "it may be a drive's harmonic");
+        let (times, quiet) = recorded(1000.0, &[]);
+        assert_eq!(hum_read(&times, &driven(&times, 1.0), &quiet, 0.1), None);
     }
 
     #[test]

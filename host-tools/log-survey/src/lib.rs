@@ -36,7 +36,7 @@ pub use clock::{Clock, RateSource};
 pub use corners::{corners, corners_left_out, stands_still_s};
 pub use deadband::{deadband, noise};
 pub use flaw::{Flaw, Stretch, flaws, gravest, measured, sound};
-pub use hum::{Hum, hum};
+pub use hum::{Hum, HumRead, hum};
 pub use implausible::Implausible;
 pub use noise::noise_of;
 pub use other_scale::{OtherScale, other_scale};
@@ -77,12 +77,15 @@ pub struct Survey {
     pub implausible: Option<Implausible>,
     /// The displacement runs ahead of the voltage; `None` also where there are too many rows to look for it.
     pub ahead: Option<Ahead>,
+    /// What the sensor picks up of the mains; `None` also where there are too many rows to look for it.
+    pub hum: Option<HumRead>,
     /// The longest stretch in which the displacement is one number and the voltage moves most.
     pub frozen: Option<Stillness>,
     /// What is no measurement, the gravest of each kind; `None` where there are too many rows to look for it.
     pub flaws: Option<Vec<Found>>,
-    /// How long the voltage stands at first, s; little of a log that was begun in motion.
-    pub begins_at_rest_s: f64,
+    /// How long the voltage stands at first, s, where there is one, and a rate; little of a log that was begun in
+    /// motion.
+    pub stands_at_first_s: Option<f64>,
     /// The voltage's reversals, and the half cycles between them.
     pub swings: Swings,
     /// Rows that are kept as one: 1 unless the log is long.
@@ -150,10 +153,12 @@ pub fn survey(reading: Reading<'_>) -> Result<Survey, LogError> {
         displacement,
         displacement_estimated,
         frozen: tally.watch.result(voltage.as_ref()),
-        begins_at_rest_s: voltage
-            .map_or(0.0, |series| tally.blocks.rows_at_rest(series.high - series.low) as f64 * period),
+        stands_at_first_s: voltage.filter(|_| period.is_finite()).map(|Series { low, high, noise, .. }| {
+            tally.blocks.rows_at_rest(start::still_v(high - low, noise)) as f64 * period
+        }),
         voltage,
         ahead: tally.kept.ahead(&clock).filter(|_| !displacement_estimated),
+        hum: tally.kept.hum(&clock),
         flaws: flaws.map(|flaws| Found::of(&flaws, &clock, &tally.clock)),
         clock,
         swings,

@@ -4,7 +4,9 @@
 use crate::ahead::{self, Ahead};
 use crate::clock::{Clock, Tally};
 use crate::flaw::{Flaw, gravest, holes, in_rows, level, sound_rows};
+use crate::hum::{HumRead, hum_read};
 use crate::implausible::Implausible;
+use crate::signal::range;
 use recordings::log::bridge;
 use serde::Serialize;
 use std::ops::Range;
@@ -72,6 +74,13 @@ impl Rows {
     pub fn ahead(&self, clock: &Clock) -> Option<Ahead> {
         let (voltage, displacement) = self.series.as_ref().filter(|_| clock.hz.is_finite())?;
         ahead::in_rows(voltage, displacement, 1.0 / clock.hz)
+    }
+
+    /// What the sensor picks up of the mains.
+    pub fn hum(&self, clock: &Clock) -> Option<HumRead> {
+        let (voltage, displacement) = self.series.as_ref().filter(|_| clock.hz.is_finite())?;
+        let times: Vec<f64> = (0..voltage.len()).map(|row| row as f64 / clock.hz).collect();
+        hum_read(&times, voltage, displacement, range(displacement) / range(voltage))
     }
 
     /// Every flaw; `None` where there are too many rows to look for them.

@@ -5,6 +5,7 @@
 //! hysteresis and creep have to start from 0 V, or the largest signal of the log is lost.
 
 use crate::flaw::{Flaw, SPIKE_ROWS, measured};
+use crate::noise::noise_of;
 use crate::stroke::stroke;
 use recordings::log::Log;
 use recordings::prepare::{PrepareError, Recipe};
@@ -12,6 +13,8 @@ use recordings::session::Session;
 
 /// Voltages this near count as the same, as a fraction of the session's span.
 const SAME: f64 = 0.02;
+/// Or as so many deviations of its noise.
+const NOISE: f64 = 8.0;
 /// A voltage that stands still for so long at first, s, is that of an actuator at rest.
 pub const RESTS_S: f64 = 0.1;
 /// The part of a session that its start may still be seen in: one in so many.
@@ -20,9 +23,9 @@ const START: usize = 10;
 /// of the stroke.
 const BEYOND: f64 = 0.1;
 
-/// Whether a voltage (V) of a log is still its first, for what the log goes over, V.
-pub(crate) fn stands(voltage: f64, first: f64, span_v: f64) -> bool {
-    (voltage - first).abs() <= SAME * span_v
+/// How far from its first a log's voltage may be and still stand, V: of what the log goes over, and of noise.
+pub(crate) fn still_v(span_v: f64, noise_v: f64) -> f64 {
+    (SAME * span_v).max(NOISE * noise_v)
 }
 
 /// Whether a log's voltage (V) moves before it has stood for [`RESTS_S`]: what the actuator remembers and still creeps
@@ -30,8 +33,10 @@ pub(crate) fn stands(voltage: f64, first: f64, span_v: f64) -> bool {
 pub fn begins_in_motion(time_s: &[f64], voltage: &[f64]) -> bool {
     let (Some(begins), Some(&first)) = (time_s.first(), voltage.first()) else { return false };
     let (low, high) = extent(voltage.iter().copied());
-    let mut soon = time_s.iter().zip(voltage).take_while(|(time, _)| *time - begins < RESTS_S);
-    soon.any(|(_, voltage)| !stands(*voltage, first, high - low))
+    let still = still_v(high - low, noise_of(voltage).unwrap_or(0.0));
+    let moved = voltage.iter().position(|voltage| (voltage - first).abs() > still);
+    let stood = moved.and_then(|row| time_s.get(row.checked_sub(1)?));
+    stood.is_some_and(|until| until - begins < RESTS_S)
 }
 
 /// Prepares a log that has been cut, with what it shows of its start.
@@ -122,7 +127,10 @@ mod tests {
         };
         assert!(begins_in_motion(&times, &from(0.0)) && begins_in_motion(&times, &from(0.05)));
         assert!(!begins_in_motion(&times, &from(0.2)));
-        assert!(!begins_in_motion(&times, &vec![3.0; 4000]) && !begins_in_motion(&[], &[]));
+        let noise: Vec<f64> = (0..4000).map(|k| 3.0 + 0.01 * f64::from([1, -1, 1, -1, -1, 1, 1][k % 7])).collect();
+        assert!(!begins_in_motion(&times, &noise) && !begins_in_motion(&[], &[]), "a voltage that is held");
+        let rows = [0.0, 1.0, 2.0, 3.0];
+        assert!(begins_in_motion(&rows, &[0.0, 10.0, 20.0, 30.0]) && !begins_in_motion(&rows, &[0.0, 0.0, 20.0, 30.0]));
     }
 
     #[test]

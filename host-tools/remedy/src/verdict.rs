@@ -1,11 +1,14 @@
 //! How good an identification is, and what comes next, in words.
 
 use super::paste::{quoted, typed, with_flag};
-use estimator_core::Range;
+use estimator_core::{Parameters, Published, Range};
 use findings::Micrometres;
+use identification::validate::Figures;
 use identification::{Doubt, Outcome};
 use std::path::Path;
 
+/// An error of which less than this part is left without its constant offset is mostly that.
+const MOSTLY: f64 = 0.8;
 /// A displacement that is further behind its voltage, s, may be so by its sensor.
 const LATE_S: f64 = 1e-3;
 
@@ -15,39 +18,13 @@ pub fn verdict(outcome: &Outcome, by_board: bool) -> Vec<String> {
     let mut sentences =
         vec![format!("Model: {}, since {}", candidate.table.model(), findings::reason(&outcome.reason))];
     if let Some(held_out) = candidate.held_out_figures() {
-        let offset = held_out.mae_without_offset_um < 0.8 * held_out.mae_um;
-        let (mae_um, mae_percent) = match offset {
-            true => (held_out.mae_without_offset_um, held_out.mae_without_offset_percent),
-            false => (held_out.mae_um, held_out.mae_percent),
-        };
-        let percent = match &candidate.held_out[..] {
-            [_] => format!("{mae_percent:.2} % of the {:.1} µm stroke", Micrometres(held_out.stroke_um)),
-            logs => format!("{mae_percent:.2} % of a log's own stroke, on average over {} logs", logs.len()),
-        };
-        let constant = match &candidate.held_out[..] {
-            _ if !offset => String::new(),
-            [_] => format!(" without a constant offset of {:+.3} µm", Micrometres(held_out.offset_um)),
-            _ => " without a constant offset of each log's own".to_owned(),
-        };
-        let furthest_um = Micrometres(held_out.max_um);
-        let furthest = match offset {
-            true => format!(
-                ". With it, which creep, drift, where the session started or a sensor zeroed anew may leave, it is {:.3} µm, and {furthest_um:.3} µm",
-                Micrometres(held_out.mae_um)
-            ),
-            false => format!(", and {furthest_um:.3} µm"),
-        };
-        sentences.push(format!(
-            "On data it had not seen, in simulation from the first sample, the estimate is on average {:.3} µm from the \
-             sensor ({percent}){constant}{furthest} where it was furthest, which bounds no other recording.",
-            Micrometres(mae_um)
-        ));
+        sentences.push(unseen(&held_out, candidate.held_out.len()));
     } else if let Some(training) = candidate.training_figures() {
         sentences.push(format!(
-            "On the data it was fitted to the estimate is on average {:.3} µm from the sensor ({:.2} % of the stroke); on \
-             other data it was not tested.",
-            Micrometres(training.mae_um),
-            training.mae_percent
+            "On the data it was fitted to the estimate is on average {:.3} µm from the sensor without each log's constant offset ({:.2} % of \
+             the stroke); on other data it was not tested.",
+            Micrometres(training.mae_without_offset_um),
+            training.mae_without_offset_percent
         ));
     }
     if learnt.whole.is_some() {
@@ -60,21 +37,60 @@ pub fn verdict(outcome: &Outcome, by_board: bool) -> Vec<String> {
     sentences.push(findings::proven(&learnt.candidate.table));
     let recipe = &learnt.context.recipe;
     sentences.push(format!("{}.", findings::zeros(recipe)));
-    let table = &learnt.candidate.table;
-    let late_s = f64::from(table.parameters.delay_ticks()) * recipe.tick_s() + f64::from(table.parameters.lag_s());
-    if late_s > LATE_S {
-        sentences.push(format!(
-            "The model has the displacement {:.1} ms behind the voltage, as an actuator and its mount may be. What of it is the sensor's own (a filter, \
-             a converter) makes the estimate as late: state that with --delay.",
-            late_s * 1e3
-        ));
-    }
+    sentences.extend(late(outcome));
     let volts = outcome.learnt_from().training_voltages();
     let recorded = Range { min: volts.min + recipe.voltage_zero_v, max: volts.max + recipe.voltage_zero_v };
     if let Some(asked) = findings::monitor_asked(recorded).filter(|_| recipe.voltage_scale == 1.0 && !by_board) {
         sentences.push(format!("The voltage goes from {:.3} to {:.3} V: {asked}.", recorded.min, recorded.max));
     }
     sentences
+}
+
+/// How far off it was on so many logs that it had not seen: where a constant offset is much of that, without it first.
+fn unseen(held_out: &Figures, logs: usize) -> String {
+    let offset = held_out.mae_without_offset_um < MOSTLY * held_out.mae_um;
+    let (mae_um, percent) = match offset {
+        true => (held_out.mae_without_offset_um, held_out.mae_without_offset_percent),
+        false => (held_out.mae_um, held_out.mae_percent),
+    };
+    let percent = match logs {
+        1 => format!("{percent:.2} % of the {:.1} µm stroke", Micrometres(held_out.stroke_um)),
+        _ => format!("{percent:.2} % of a log's own stroke, on average over {logs} logs"),
+    };
+    let constant = match logs {
+        1 => format!("a constant offset of {:+.3} µm", Micrometres(held_out.offset_um)),
+        _ => "a constant offset of each log's own".to_owned(),
+    };
+    let without = if offset { format!(" without {constant}") } else { String::new() };
+    let with = match offset {
+        true => format!(
+            ". With it, which creep, drift, where the session started or a sensor zeroed anew may leave, it is {:.3} µm",
+            Micrometres(held_out.mae_um)
+        ),
+        false => String::new(),
+    };
+    format!(
+        "On data it had not seen, in simulation from the first sample, the estimate is on average {:.3} µm from the sensor \
+         ({percent}){without}{with}, and {:.3} µm where it was furthest, which bounds no other recording.",
+        Micrometres(mae_um),
+        Micrometres(held_out.max_um)
+    )
+}
+
+/// That a lateness which was learnt may be the sensor's, unless a doubt says so.
+fn late(outcome: &Outcome) -> Option<String> {
+    let table = &outcome.learnt.candidate.table;
+    let Parameters::GeneralisedPrandtlIshlinskii(of) = &table.parameters else { return None };
+    let doubted =
+        |doubt: &Doubt| matches!(doubt, Doubt::DelayUndetermined { .. } | Doubt::AtBound { gene: "delay", .. });
+    let late_s = f64::from(of.delay_ticks()) * table.sample_period::<f64>() + f64::from(of.lag_s);
+    (late_s >= LATE_S && !outcome.doubts.iter().any(doubted)).then(|| {
+        format!(
+            "In this model the displacement follows the voltage by {:.1} ms. Amplifier, actuator and mount may be that slow; but what of it is the \
+             sensor's own (a filter, a converter) makes the estimate late by as much: state it with --delay.",
+            late_s * 1e3
+        )
+    })
 }
 
 /// What the table is on a board, for whoever has one.
@@ -124,4 +140,25 @@ pub fn doubts(doubts: &[Doubt]) -> String {
     }
     let said = doubts.iter().map(|doubt| format!("\n- {}", findings::doubt(doubt)));
     format!("When not to trust it:{}", said.collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_that_is_mostly_a_constant_is_said_without_it_first() {
+        let measured = [0.0, 3.0, 6.0, 10.0];
+        let of = |offset: f64| Figures::of(&[0.1, 2.9, 6.1, 9.9].map(|estimate| estimate + offset), &measured, 10.0);
+        let said = unseen(&of(2.0), 1);
+        assert!(
+            said.contains("µm stroke) without a constant offset of +2.100 µm. With it")
+                && said.contains(", it is 2.000 µm"),
+            "{said}"
+        );
+        let said = unseen(&of(2.0), 2);
+        assert!(said.contains("over 2 logs) without a constant offset of each log's own. With it"), "{said}");
+        let said = unseen(&of(0.0), 1);
+        assert!(said.contains("is on average 0.100 µm") && !said.contains("offset"), "{said}");
+    }
 }
