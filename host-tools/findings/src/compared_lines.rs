@@ -10,7 +10,7 @@ pub const COMPARED: [&str; 5] = [
     "Errors of the estimate in simulation, from the first sample on, on data that decided nothing: mean absolute (MAE), root \
      mean square (RMS), largest (MAX), and the mean absolute without the constant offset that re-zeroing removes; of the \
      stroke where it says %. Whoever chooses a model by them has used this data up: prove the choice on another log. The arrow \
-     marks the smallest without that offset, since no model knows where the sensor's zero lies.",
+     marks the smallest mean absolute without it, since no model knows where the sensor's zero lies.",
     "Straight line: the displacement proportional to the voltage and an offset, Eq. (2.1), by least squares through the training \
      logs, each weighing the same: what is left for a model to gain.",
     "Parameters: what was searched or solved for by least squares; a grid that was laid out before does not count.",

@@ -27,7 +27,7 @@ pub fn interval(interval: Option<&Calibration>, devices: u32) -> String {
             "These logs' own errors ask for ±{own:.3} µm; the rest is a prior, how far off was what was learnt of {devices} from the same voltages"
         ),
         false => format!(
-            "It is these logs' own errors; what was learnt of {devices} from the same voltages asks for no more"
+            "That is these logs' own errors; what was learnt of {devices} from the same voltages asks for no more"
         ),
     };
     let (anywhere_um, at_an_end_um) =
@@ -39,9 +39,9 @@ pub fn interval(interval: Option<&Calibration>, devices: u32) -> String {
         false => String::new(),
     };
     format!(
-        "The ± beside the estimate is at least ±{misfit:.3} µm, and grows with the way and the time since the displacement was last told \
-         (`piezo zero`), with speed, and where the voltage goes otherwise than in the training; 95 % of the time the actuator is within it. \
-         {cause}. Told before a full swing, the ± widens with that to ±{:.3} µm{at_an_end}, since nobody knows what was before.",
+        "The ± beside the estimate is at least ±{misfit:.3} µm. {cause}. It grows with the way and the time since the displacement was last \
+         told (`piezo zero`), with speed, and where the voltage goes otherwise than in the training; the sensor is within it 95 % of the time. \
+         Where the displacement was told before a full swing, that swing widens it to ±{:.3} µm{at_an_end}, since nobody knows what was before.",
         um(anywhere_um)
     )
 }
@@ -68,7 +68,7 @@ mod tests {
     #[test]
     fn a_start_at_an_end_of_the_range_is_told_from_one_in_the_middle() {
         let at_an_end = said(PARAMETERS, 1.0);
-        for part in ["at least ±1.500 µm", "with that to ±4.272 µm", "±2.500 µm where the voltage stood at an end"]
+        for part in ["at least ±1.500 µm", "widens it to ±4.272 µm", "±2.500 µm where the voltage stood at an end"]
         {
             assert!(at_an_end.contains(part), "{part:?} is missing in {at_an_end}");
         }

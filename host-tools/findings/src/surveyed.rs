@@ -80,8 +80,8 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>, hinders: Option<(&str, &
     }
     if let Some(HumRead { hertz, amplitude_um }) = survey.hum {
         let words = format!(
-            "±{} µm at {hertz} Hz, which the voltage does not have, as the sensor's cable picks up from the mains: shield it, ground it at one \
-             end, and record again",
+            "the sensor reads ±{} µm at {hertz} Hz beyond what the voltage has there, as its cable picks up from the mains: shield that cable, \
+             ground it at one end, and record again",
             short(amplitude_um)
         );
         line("hum", &words);
@@ -206,7 +206,7 @@ fn swings(line: &mut dyn FnMut(&str, &str), survey: &Survey) {
     if let Some(stands_s) = survey.stands_at_first_s.filter(|_| voltage.low < voltage.high) {
         let begins = match stands_s >= RESTS_S {
             true => format!("with a voltage that stands for {} s", short(stands_s)),
-            false => "with a voltage that moves from the first row on: whether the actuator had rested until then is not in the log; record some \
+            false => "with a voltage that moves at once: whether the actuator had rested until then is not in the log; record some \
                       seconds of that rest, too"
                 .to_owned(),
         };

@@ -68,10 +68,13 @@ pub fn suspicion(suspicion: &Suspicion) -> String {
                 Since::OneCycle => ", told one cycle,",
                 Since::Either => "",
             },
-            if *in_motion {
-                format!(". Besides, {BEGINS_IN_MOTION}; a zero that is told late (`--zero-at <S>`) leaves less of it")
-            } else {
-                String::new()
+            match (in_motion, since) {
+                (false, _) => String::new(),
+                (true, Since::Zero) =>
+                    format!(". Besides, {BEGINS_IN_MOTION}; the later the zero, the less of it is left"),
+                (true, _) => format!(
+                    ". Besides, {BEGINS_IN_MOTION}; a zero that is told late (`--zero-at <S>`) leaves less of it"
+                ),
             }
         ),
     }

@@ -72,15 +72,17 @@ impl Blocks {
         self.rows_a_block
     }
 
-    /// How many rows go by from the first to the last at which the voltage is still within `still_v` of its first, V;
-    /// as many as blocks are wholly so, but for rows without a voltage.
+    /// How many rows go by while the voltage stays within `still_v` of its first, V, as many as blocks are wholly so;
+    /// rows without a voltage before its first count for nothing.
     pub fn rows_at_rest(&self, still_v: f64) -> u64 {
-        let Some(first) = self.blocks.iter().map(|block| block.first.0).find(|volts| volts.is_finite()) else {
-            return 0;
+        let from = self.blocks.iter().position(|block| block.first.0.is_finite()).unwrap_or(self.blocks.len());
+        let all = &self.blocks[from..];
+        let moved = |volts: f64, first: f64| (volts - first).abs() > still_v;
+        let still = |block: &&Block| {
+            let (low, high) = block.voltage;
+            !moved(low, all[0].first.0) && !moved(high, all[0].first.0)
         };
-        let moved = |volts: f64| (volts - first).abs() > still_v;
-        let still = self.blocks.iter().take_while(|block| !moved(block.voltage.0) && !moved(block.voltage.1));
-        (still.count() as u64 * self.rows_a_block).saturating_sub(1)
+        (all.iter().take_while(still).count() as u64 * self.rows_a_block).saturating_sub(1)
     }
 
     /// The blocks, without what is left of a last one.

@@ -1,5 +1,7 @@
 //! Mains hum: what a sensor's or a monitor's cable picks up, and no actuator's motion.
 
+use crate::noise::noise_of;
+use crate::signal::range;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
@@ -29,7 +31,7 @@ const UNEXPLAINED: f64 = 4.0;
 
 /// A voltage is driven at a frequency that has this part of its mean square; harmonics are looked at up to this one.
 const DRIVEN: f64 = 0.01;
-const FRACTIONS: u32 = 12;
+const FRACTIONS: u32 = 15;
 
 /// A hum in what a model leaves of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -63,19 +65,25 @@ pub fn hum(times_s: &[f64], voltage: &[f64], errors_um: &[f64]) -> Option<Hum> {
             (LOWEST..=errors.highest).filter(|other| !other.is_multiple_of(hertz) && other.abs_diff(hertz) > WIDE);
         let strongest = others.map(|hertz| errors.at(hertz)).fold(0.0, f64::max);
         let percent = 100.0 * power / mean_square;
-        let found = power > strongest && percent > WORTH && !driven.drives(hertz);
+        let fractions = (1..=FRACTIONS).filter(|of| hertz.is_multiple_of(*of)).map(|of| f64::from(hertz / of));
+        let found = power > strongest && percent > WORTH && !driven.drives(fractions);
         found.then(|| Hum { hertz, amplitude_um: (2.0 * power).sqrt(), percent })
     })
 }
 
-/// The hum in the readings (µm) themselves, at these times (s) and voltages (V), of an actuator of so many µm/V: a line
-/// at a frequency of the mains that stands out from what is beside it, and that the voltage does not have.
-pub fn hum_read(times_s: &[f64], voltage: &[f64], read_um: &[f64], um_per_v: f64) -> Option<HumRead> {
+/// The hum in the readings (µm) themselves, at these times (s) and voltages (V): a line at a frequency of the mains
+/// that stands out from what is beside it, of more than the readings' noise, and that the voltage does not have.
+pub fn hum_read(times_s: &[f64], voltage: &[f64], read_um: &[f64]) -> Option<HumRead> {
     let (driven, read) = lines(times_s, voltage, read_um)?;
+    let (volts, noise_um) = (range(voltage), noise_of(read_um)?);
+    let um_per_v = if volts > 0.0 { range(read_um) / volts } else { 0.0 };
     read.mains().filter(|&hertz| read.stands_out(hertz)).find_map(|hertz| {
         let (power, of_voltage) = (read.at(hertz), um_per_v * um_per_v * driven.at(hertz));
-        let found = power > UNEXPLAINED * of_voltage && !driven.drives(hertz);
-        found.then(|| HumRead { hertz, amplitude_um: (2.0 * power).sqrt() })
+        let amplitude_um = (2.0 * power).sqrt();
+        // A harmonic beside it looks like it.
+        let fractions = (1..=FRACTIONS).map(|of| f64::from(hertz) / f64::from(of));
+        let found = power > UNEXPLAINED * of_voltage && amplitude_um > noise_um && !driven.drives(fractions);
+        found.then_some(HumRead { hertz, amplitude_um })
     })
 }
 
@@ -83,6 +91,9 @@ pub fn hum_read(times_s: &[f64], voltage: &[f64], read_um: &[f64], um_per_v: f64
 fn lines<'a>(times_s: &'a [f64], voltage: &[f64], readings: &[f64]) -> Option<(Lines<'a>, Lines<'a>)> {
     let count = times_s.len().min(readings.len());
     let period = (times_s.get(count.checked_sub(1)?)? - times_s[0]) / (count.max(2) - 1) as f64;
+    if !(period.is_finite() && period > 0.0) {
+        return None;
+    }
     let highest = (HIGHEST / period).min(f64::from(MAINS[3] + BESIDE)) as u32;
     let of = |values: &[f64]| Lines {
         blocks: blocks(times_s, values, (BLOCK_S / period).round() as usize, period),
@@ -107,19 +118,24 @@ impl Lines<'_> {
 
     /// The mean square of the part at a frequency, in more than half of the blocks.
     fn at(&self, hertz: u32) -> f64 {
+        self.near(hertz.into())
+    }
+
+    fn near(&self, hertz: f64) -> f64 {
         median(&self.blocks, |block| block.power(hertz))
     }
 
+    /// Whether there is a line at this frequency, and not at one beside it.
     fn stands_out(&self, hertz: u32) -> bool {
         let beside = (WIDE + 1..=BESIDE).flat_map(|by| [hertz - by, hertz + by]).map(|hertz| self.at(hertz));
-        self.at(hertz) > ABOVE * beside.fold(0.0, f64::max)
+        let power = self.at(hertz);
+        power > ABOVE * beside.fold(0.0, f64::max) && [hertz - 1, hertz + 1].iter().all(|next| self.at(*next) <= power)
     }
 
-    /// Whether much of a voltage is at a frequency, or at a whole fraction of it.
-    fn drives(&self, hertz: u32) -> bool {
+    /// Whether much of a voltage is within a Hz of one of these frequencies.
+    fn drives(&self, mut hertz: impl Iterator<Item = f64>) -> bool {
         let mean_square = median(&self.blocks, |block| block.mean_square);
-        let fractions = (1..=FRACTIONS).filter(|of| hertz.is_multiple_of(*of));
-        fractions.map(|of| self.at(hertz / of)).any(|power| power > DRIVEN * mean_square)
+        hertz.any(|hertz| self.near(hertz) > DRIVEN * mean_square)
     }
 }
 
@@ -133,9 +149,9 @@ struct Block<'a> {
 
 impl Block<'_> {
     /// The mean square of the part at a frequency.
-    fn power(&self, hertz: u32) -> f64 {
+    fn power(&self, hertz: f64) -> f64 {
         let (cos, sin) = self.times_s.iter().zip(&self.windowed).fold((0.0, 0.0), |(cos, sin), (time, value)| {
-            let (s, c) = (TAU * f64::from(hertz) * (time - self.times_s[0])).sin_cos();
+            let (s, c) = (TAU * hertz * (time - self.times_s[0])).sin_cos();
             (cos + value * c, sin + value * s)
         });
         // Half of the amplitude's square; the mean of the window is a half.
@@ -247,15 +263,25 @@ mod tests {
             let volts = |(time, volt): (&f64, f64)| volt + volts_at_mains * (TAU * 50.0 * time).sin();
             let voltage: Vec<f64> = times.iter().zip(driven(&times, drive)).map(volts).collect();
             let read: Vec<f64> = voltage.iter().zip(&picked_up).map(|(volt, um)| 0.1 * volt + um).collect();
-            hum_read(&times, &voltage, &read, 0.1)
+            hum_read(&times, &voltage, &read)
         };
         let hum = read(0.0, 1.0).unwrap();
         assert_eq!(hum.hertz, 50);
         assert!((hum.amplitude_um - 0.03).abs() < 2e-3, "{hum:?}");
         assert_eq!(read(1.0, 1.0), None, "the voltage has three times as much there");
         assert_eq!(read(0.0, 10.0), None, "it may be a drive's harmonic");
+        for drive in [5.0, 7.0, 8.0, 12.5, 16.7, 17.0, 33.3] {
+            let harmonics: Vec<(f64, f64)> = (1..=15).map(f64::from).map(|k| (k * drive, 0.5 / k)).collect();
+            let (times, read) = recorded(1000.0, &harmonics);
+            assert_eq!(hum_read(&times, &driven(&times, drive), &read), None, "{drive} Hz");
+        }
+        let (times, held) = recorded(1000.0, &[(50.0, 0.03)]);
+        assert_eq!(hum_read(&times, &vec![20.0; times.len()], &held).map(|hum| hum.hertz), Some(50), "at rest");
+        let (times, small) = recorded(1000.0, &[(50.0, 5e-4)]);
+        assert_eq!(hum_read(&times, &driven(&times, 1.0), &small), None, "less than the noise");
+        assert_eq!(hum_read(&[f64::NAN; 9], &[0.0; 9], &[0.0; 9]), None, "a clock that is none");
         let (times, quiet) = recorded(1000.0, &[]);
-        assert_eq!(hum_read(&times, &driven(&times, 1.0), &quiet, 0.1), None);
+        assert_eq!(hum_read(&times, &driven(&times, 1.0), &quiet), None);
     }
 
     #[test]

@@ -158,7 +158,7 @@ pub fn survey(reading: Reading<'_>) -> Result<Survey, LogError> {
         }),
         voltage,
         ahead: tally.kept.ahead(&clock).filter(|_| !displacement_estimated),
-        hum: tally.kept.hum(&clock),
+        hum: tally.kept.hum(&clock).filter(|_| !displacement_estimated),
         flaws: flaws.map(|flaws| Found::of(&flaws, &clock, &tally.clock)),
         clock,
         swings,

@@ -6,7 +6,6 @@ use crate::clock::{Clock, Tally};
 use crate::flaw::{Flaw, gravest, holes, in_rows, level, sound_rows};
 use crate::hum::{HumRead, hum_read};
 use crate::implausible::Implausible;
-use crate::signal::range;
 use recordings::log::bridge;
 use serde::Serialize;
 use std::ops::Range;
@@ -76,11 +75,11 @@ impl Rows {
         ahead::in_rows(voltage, displacement, 1.0 / clock.hz)
     }
 
-    /// What the sensor picks up of the mains.
+    /// What the sensor picks up of the mains, where no row is missing: a gap shifts what is periodic.
     pub fn hum(&self, clock: &Clock) -> Option<HumRead> {
         let (voltage, displacement) = self.series.as_ref().filter(|_| clock.hz.is_finite())?;
         let times: Vec<f64> = (0..voltage.len()).map(|row| row as f64 / clock.hz).collect();
-        hum_read(&times, voltage, displacement, range(displacement) / range(voltage))
+        hum_read(&times, voltage, displacement)
     }
 
     /// Every flaw; `None` where there are too many rows to look for them.

@@ -15,6 +15,8 @@ use recordings::session::Session;
 const SAME: f64 = 0.02;
 /// Or as so many deviations of its noise.
 const NOISE: f64 = 8.0;
+/// Noise alone goes over more than so many deviations, in any log but the shortest.
+const DRIVE: f64 = 5.0;
 /// A voltage that stands still for so long at first, s, is that of an actuator at rest.
 pub const RESTS_S: f64 = 0.1;
 /// The part of a session that its start may still be seen in: one in so many.
@@ -23,9 +25,10 @@ const START: usize = 10;
 /// of the stroke.
 const BEYOND: f64 = 0.1;
 
-/// How far from its first a log's voltage may be and still stand, V: of what the log goes over, and of noise.
+/// How far from its first a log's voltage may be and still stand, V: of what the log goes over, and of its noise,
+/// unless that is a drive which is another in each row.
 pub(crate) fn still_v(span_v: f64, noise_v: f64) -> f64 {
-    (SAME * span_v).max(NOISE * noise_v)
+    (SAME * span_v).max(if DRIVE * noise_v > span_v { 0.0 } else { NOISE * noise_v })
 }
 
 /// Whether a log's voltage (V) moves before it has stood for [`RESTS_S`]: what the actuator remembers and still creeps
@@ -89,6 +92,9 @@ fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
 mod tests {
     use super::*;
     use crate::flaw::flaws;
+    use rand::{RngExt as _, SeedableRng as _};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::StandardNormal;
     use recordings::prepare::{AutoOr, PrepareOptions};
 
     /// Half the voltage, with a lag of some ticks, from `rest`.
@@ -127,8 +133,11 @@ mod tests {
         };
         assert!(begins_in_motion(&times, &from(0.0)) && begins_in_motion(&times, &from(0.05)));
         assert!(!begins_in_motion(&times, &from(0.2)));
-        let noise: Vec<f64> = (0..4000).map(|k| 3.0 + 0.01 * f64::from([1, -1, 1, -1, -1, 1, 1][k % 7])).collect();
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        let noise: Vec<f64> = times.iter().map(|_| 3.0 + 0.01 * random.sample::<f64, _>(StandardNormal)).collect();
         assert!(!begins_in_motion(&times, &noise) && !begins_in_motion(&[], &[]), "a voltage that is held");
+        let every_row: Vec<f64> = (0..4000).map(|k| f64::from([20, -20, 20, -20, -20, 20, 20][k % 7])).collect();
+        assert!(begins_in_motion(&times, &every_row), "a drive that is another in each row");
         let rows = [0.0, 1.0, 2.0, 3.0];
         assert!(begins_in_motion(&rows, &[0.0, 10.0, 20.0, 30.0]) && !begins_in_motion(&rows, &[0.0, 0.0, 20.0, 30.0]));
     }

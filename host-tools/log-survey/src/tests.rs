@@ -176,3 +176,26 @@ fn a_flaw_behind_a_gap_is_dated_by_the_time_stamps() {
     let Found { worst: hole @ Flaw::Hole { at }, first_row: 1_240, count: 1 } = missing else { panic!("{missing:?}") };
     assert!((at.from_s - 1.24).abs() < 1e-6 && (at.to_s - 1.261).abs() < 1e-6, "{hole:?}");
 }
+
+#[test]
+fn how_long_the_voltage_stands_at_first_and_the_hum_of_the_sensor_are_found() {
+    let of = |rest_s: f64, hum_um: f64| {
+        let rest = std::iter::repeat_n(0.0, (rest_s * 1000.0) as usize);
+        let hum = sine(hum_um, 50.0, 10.0 + rest_s);
+        let rows = rest.chain(sine(50.0, 1.0, 10.0)).zip(hum).enumerate();
+        surveyed(rows.map(|(k, (volt, hum))| (k as f64 / 1000.0, volt, volt / 10.0 + hum)))
+    };
+    let survey = of(2.0, 0.05);
+    assert!((survey.stands_at_first_s.unwrap() - 2.0).abs() < 0.01, "{:?}", survey.stands_at_first_s);
+    let hum = survey.hum.unwrap();
+    assert!(hum.hertz == 50 && (hum.amplitude_um - 0.05).abs() < 0.005, "{hum:?}");
+    let survey = of(0.0, 0.0);
+    assert!(survey.stands_at_first_s.unwrap() < 0.01 && survey.hum.is_none(), "{:?}", survey.hum);
+}
+
+/// Stamps whose span is beyond any number.
+#[test]
+fn a_clock_without_a_rate_is_no_reason_to_fail() {
+    let survey = surveyed([(-1e308, 0.0, 0.0), (0.0, 1.0, 0.1), (1e308, 2.0, 0.2)].into_iter());
+    assert_eq!(survey.hum, None);
+}

@@ -11,7 +11,7 @@ const STRETCHES: usize = 4;
 const LENGTH: usize = 8;
 /// Fewest stretches that must be in what is left of it.
 const WHOLE: usize = 2;
-/// Fewest samples of these whose displacement is another than that of the sample before, whatever was rounded.
+/// Fewest samples of these whose displacement is further from that of the sample before than rounding may move it.
 const MOVED: usize = 6;
 /// Relative difference up to which two sample periods are the same, or one a multiple of the other.
 const PERIOD: f64 = 1e-4;
@@ -48,8 +48,10 @@ impl Content {
         if quarter < 2 * LENGTH {
             return None;
         }
-        let at: Vec<usize> =
-            (0..STRETCHES).map(|k| liveliest(&displacement, k * quarter, quarter)).collect::<Option<_>>()?;
+        let at: Vec<usize> = (0..STRETCHES).filter_map(|k| liveliest(&displacement, k * quarter, quarter)).collect();
+        if at.len() < WHOLE {
+            return None;
+        }
         let kept = |series: &[f64]| at.iter().flat_map(|&at| series[at..at + LENGTH].to_vec()).collect();
         Some(Self {
             sample_period_s: log.sample_period,

@@ -46,7 +46,7 @@ impl Rounding {
         (one - other).abs() <= self.at(one, other)
     }
 
-    /// By how much one of two values may be off that are the same one, which was rounded for the other.
+    /// By how much two values may differ where one is the other, rounded.
     fn at(&self, one: f64, other: f64) -> f64 {
         let digit = if self.digits { HALF * last_digit(one.abs().max(other.abs())) } else { 0.0 };
         self.step.max(digit)

@@ -7,9 +7,9 @@ use identification::validate::Figures;
 use identification::{Doubt, Outcome};
 use std::path::Path;
 
-/// An error of which less than this part is left without its constant offset is mostly that.
-const MOSTLY: f64 = 0.8;
-/// A displacement that is further behind its voltage, s, may be so by its sensor.
+/// An error of which less than this part is left without its constant offset is stated without it first.
+const LEFT: f64 = 0.8;
+/// A displacement that follows its voltage by so many s, or more, may do so by its sensor.
 const LATE_S: f64 = 1e-3;
 
 /// How good it is, in plain words. Of logs that a board recorded the volts are known.
@@ -21,8 +21,8 @@ pub fn verdict(outcome: &Outcome, by_board: bool) -> Vec<String> {
         sentences.push(unseen(&held_out, candidate.held_out.len()));
     } else if let Some(training) = candidate.training_figures() {
         sentences.push(format!(
-            "On the data it was fitted to the estimate is on average {:.3} µm from the sensor without each log's constant offset ({:.2} % of \
-             the stroke); on other data it was not tested.",
+            "On the data it was fitted to the estimate is on average {:.3} µm from the sensor ({:.2} % of the stroke), each log's \
+             constant offset aside; on other data it was not tested.",
             Micrometres(training.mae_without_offset_um),
             training.mae_without_offset_percent
         ));
@@ -48,7 +48,7 @@ pub fn verdict(outcome: &Outcome, by_board: bool) -> Vec<String> {
 
 /// How far off it was on so many logs that it had not seen: where a constant offset is much of that, without it first.
 fn unseen(held_out: &Figures, logs: usize) -> String {
-    let offset = held_out.mae_without_offset_um < MOSTLY * held_out.mae_um;
+    let offset = held_out.mae_without_offset_um < LEFT * held_out.mae_um;
     let (mae_um, percent) = match offset {
         true => (held_out.mae_without_offset_um, held_out.mae_without_offset_percent),
         false => (held_out.mae_um, held_out.mae_percent),
@@ -81,8 +81,12 @@ fn unseen(held_out: &Figures, logs: usize) -> String {
 fn late(outcome: &Outcome) -> Option<String> {
     let table = &outcome.learnt.candidate.table;
     let Parameters::GeneralisedPrandtlIshlinskii(of) = &table.parameters else { return None };
-    let doubted =
-        |doubt: &Doubt| matches!(doubt, Doubt::DelayUndetermined { .. } | Doubt::AtBound { gene: "delay", .. });
+    let doubted = |doubt: &Doubt| {
+        matches!(
+            doubt,
+            Doubt::DelayUndetermined { .. } | Doubt::DelayAtBound { .. } | Doubt::AtBound { gene: "delay", .. }
+        )
+    };
     let late_s = f64::from(of.delay_ticks()) * table.sample_period::<f64>() + f64::from(of.lag_s);
     (late_s >= LATE_S && !outcome.doubts.iter().any(doubted)).then(|| {
         format!(

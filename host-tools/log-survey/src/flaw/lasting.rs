@@ -56,9 +56,13 @@ fn standing(voltage: &[f64], displacement: &[f64], volts: f64, row: usize) -> Op
     let far = 2 * ROWS + GLITCH_ROWS;
     let around = row.checked_sub(far)?..row + far;
     let (low, high) = ends(voltage.get(around.clone())?);
-    let mean = |rows: &[f64]| rows.iter().sum::<f64>() / rows.len() as f64;
+    // A spike among them says nothing.
+    let middle = |rows: &[f64]| {
+        let mut rows = rows.to_vec();
+        *rows.select_nth_unstable_by(ROWS / 2, f64::total_cmp).1
+    };
     let measured = displacement.get(around)?;
-    let level = mean(&measured[measured.len() - ROWS..]) - mean(&measured[..ROWS]);
+    let level = middle(&measured[measured.len() - ROWS..]) - middle(&measured[..ROWS]);
     (high - low <= STANDS * volts).then_some(level)
 }
 

@@ -172,7 +172,7 @@ mod tests {
         }
     }
 
-    /// Smaller than a leap that is looked for as one, and longer than what a level is told by.
+    /// Too small for a glitch, and gone again within the rows by which a level is judged.
     #[test]
     fn a_small_bump_while_the_voltage_stands_is_no_step() {
         let volts = |row: usize| 20.0 * (row / 2_000) as f64;
