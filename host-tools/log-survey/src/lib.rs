@@ -83,8 +83,8 @@ pub struct Survey {
     pub frozen: Option<Stillness>,
     /// What is no measurement, the gravest of each kind; `None` where there are too many rows to look for it.
     pub flaws: Option<Vec<Found>>,
-    /// How long the voltage stands at first, s, where there is one, and a rate; little of a log that was begun in
-    /// motion.
+    /// How long the voltage stands at first, s: little of a log that was begun in motion. `None` without a voltage or
+    /// without a rate.
     pub stands_at_first_s: Option<f64>,
     /// The voltage's reversals, and the half cycles between them.
     pub swings: Swings,

@@ -12,8 +12,8 @@ const OF_SIXTH: f64 = 924.0;
 const OF_TWELFTH: f64 = 2_704_156.0;
 /// In these units white noise has the same deviation by both, and noise that was averaged, or filtered by up to the
 /// third order, by the twelfth from a quarter as much to about as much; where that is less, the sixth have the course.
-/// So a course may make the noise four times as large as it is, and more only where the noise is less than some 1e-4
-/// of its amplitude; what a steeper filter leaves is stated too small.
+/// So a course of eight samples a period or more may make the noise four times as large as it is, and more only where
+/// the noise is less than some 1e-4 of its amplitude; what a steeper filter leaves is stated too small.
 const COURSE: f64 = 0.25;
 /// Fewest twelfth differences that are believed.
 const FEWEST: usize = 50;

@@ -75,7 +75,7 @@ impl Rows {
         ahead::in_rows(voltage, displacement, 1.0 / clock.hz)
     }
 
-    /// What the sensor picks up of the mains, where no row is missing: a gap shifts what is periodic.
+    /// What the sensor picks up of the mains, as if no row were missing: a gap shifts what is periodic.
     pub fn hum(&self, clock: &Clock) -> Option<HumRead> {
         let (voltage, displacement) = self.series.as_ref().filter(|_| clock.hz.is_finite())?;
         let times: Vec<f64> = (0..voltage.len()).map(|row| row as f64 / clock.hz).collect();
