@@ -54,6 +54,13 @@ pub struct TableContext {
 const ROUNDING: f64 = 1e-3;
 
 impl Candidate {
+    /// By how much the displacement is behind the voltage, delay and lag together, s; 0 of models that have neither, or
+    /// look ahead.
+    pub fn late_s(&self) -> f64 {
+        let parameters = &self.table.parameters;
+        f64::from(parameters.delay_ticks()) * self.table.sample_period::<f64>() + f64::from(parameters.lag_s().max(0.0))
+    }
+
     /// Makes the table and runs it over the sessions of its problem.
     ///
     /// # Errors

@@ -5,7 +5,7 @@ use crate::cost::{Cost, Norm};
 use crate::doubt::{Converter, Doubt, FEW_REVERSALS};
 use crate::validate::statistics::mean;
 use crate::validate::{Baseline, Comparison, Figures, Trace};
-use estimator_core::{AdcCode, DacCode, Parameters, Published, Range};
+use estimator_core::{AdcCode, DacCode, Parameters, Range};
 use log_survey::reversals::reversals;
 use log_survey::{Character, Hum, hum};
 use std::slice;
@@ -186,10 +186,8 @@ fn hums(logs: &[Comparison]) -> Option<Doubt> {
 
 /// Whether a table has the lag that was said, s.
 fn kept(said: f64, candidate: &Candidate) -> bool {
-    let Parameters::GeneralisedPrandtlIshlinskii(of) = &candidate.table.parameters else { return false };
-    let tick = candidate.table.sample_period::<f64>();
-    let found = f64::from(of.delay_ticks()) * tick + f64::from(of.lag_s);
-    (found - said).abs() <= (LAG * said).max(tick)
+    let generalised = matches!(candidate.table.parameters, Parameters::GeneralisedPrandtlIshlinskii(_));
+    generalised && (candidate.late_s() - said).abs() <= (LAG * said).max(candidate.table.sample_period())
 }
 
 /// What a Duhem set does not meet of the thesis's Section 3.3. Admission does not ask for it: the set is bounded

@@ -23,8 +23,7 @@ const KEPT: f64 = 0.2;
 
 /// The lags and delays together that the logs do not speak against, s.
 pub fn open(problem: &Problem, candidate: &Candidate, context: &TableContext, search: &SearchOptions) -> Range<f64> {
-    let late = |of: &Candidate| late_s(&of.table.parameters, of.table.sample_period());
-    let found = late(candidate).max(LEAST_S);
+    let found = candidate.late_s().max(LEAST_S);
     let around = Range { min: (found / STEP).max(LEAST_S), max: STEP * found };
     let has_prior = matches!(candidate.table.parameters, Parameters::GeneralisedPrandtlIshlinskii(_));
     // What was said is known; without a prior, none can be asked for.
@@ -38,7 +37,7 @@ pub fn open(problem: &Problem, candidate: &Candidate, context: &TableContext, se
     while latest <= LATEST_S {
         said.lag_s = Some(latest);
         let Ok(later) = again(&said, &from, context, search) else { break };
-        let kept = (late(&later) - latest).abs() < KEPT * latest;
+        let kept = (later.late_s() - latest).abs() < KEPT * latest;
         let against = libm::log(later.fit.cost / candidate.fit.cost) / libm::log(AGAINST);
         if !kept || against > 1.0 {
             let part = if kept { (1.0 - before.1) / (against - before.1) } else { 0.0 };
@@ -48,9 +47,4 @@ pub fn open(problem: &Problem, candidate: &Candidate, context: &TableContext, se
         latest *= STEP;
     }
     Range { max: before.0.max(around.max), ..around }
-}
-
-/// Lag and delay of a model, s; 0 of those that have none, or look ahead.
-pub fn late_s(parameters: &Parameters, tick_s: f64) -> f64 {
-    f64::from(parameters.delay_ticks()) * tick_s + f64::from(parameters.lag_s().max(0.0))
 }

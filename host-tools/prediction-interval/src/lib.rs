@@ -22,7 +22,6 @@ use device::Device;
 use estimator_core::{IntervalParameters, Range};
 use gains::{Gains, Tried};
 use identification::{Candidate, CandidateError, Learnt, Outcome, Problem, SearchOptions, TableContext};
-use late::late_s;
 use log_survey::Character;
 use memory_at_ends::memory_at_ends;
 use rayon::prelude::*;
@@ -157,7 +156,7 @@ fn unscaled(problem: &Problem, candidate: &Candidate) -> IntervalParameters {
         rate_ticks: 1.0,
         gain: 1.0,
         drift_um: stroke as f32,
-        earliest_s: (LAGS * late_s(&table.parameters, table.sample_period())) as f32,
+        earliest_s: (LAGS * candidate.late_s()) as f32,
         ..IntervalParameters::constant(stroke as f32)
     };
     learnt(parameters, problem, table.voltage_range_v.of(), misfit(candidate).hypot(LEAST * stroke))

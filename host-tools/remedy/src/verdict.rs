@@ -1,7 +1,7 @@
 //! How good an identification is, and what comes next, in words.
 
 use super::paste::{quoted, typed, with_flag};
-use estimator_core::{Parameters, Published, Range};
+use estimator_core::{Parameters, Range};
 use findings::Micrometres;
 use identification::validate::Figures;
 use identification::{Doubt, Outcome};
@@ -79,16 +79,16 @@ fn unseen(held_out: &Figures, logs: usize) -> String {
 
 /// That a lateness which was learnt may be the sensor's, unless a doubt says so.
 fn late(outcome: &Outcome) -> Option<String> {
-    let table = &outcome.learnt.candidate.table;
-    let Parameters::GeneralisedPrandtlIshlinskii(of) = &table.parameters else { return None };
+    let candidate = &outcome.learnt.candidate;
+    let generalised = matches!(candidate.table.parameters, Parameters::GeneralisedPrandtlIshlinskii(_));
     let doubted = |doubt: &Doubt| {
         matches!(
             doubt,
             Doubt::DelayUndetermined { .. } | Doubt::DelayAtBound { .. } | Doubt::AtBound { gene: "delay", .. }
         )
     };
-    let late_s = f64::from(of.delay_ticks()) * table.sample_period::<f64>() + f64::from(of.lag_s);
-    (late_s >= LATE_S && !outcome.doubts.iter().any(doubted)).then(|| {
+    let late_s = candidate.late_s();
+    (generalised && late_s >= LATE_S && !outcome.doubts.iter().any(doubted)).then(|| {
         format!(
             "In this model the displacement follows the voltage by {:.1} ms. Amplifier, actuator and mount may be that slow; but what of it is the \
              sensor's own (a filter, a converter) makes the estimate late by as much: state it with --delay.",
