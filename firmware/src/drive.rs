@@ -25,6 +25,32 @@ use estimator_core::{AdcCode, Admitted, Commanded, DacCode, DriveCalibration, In
 /// held: 1 s.
 pub const REFERENCE_TIMEOUT_TICKS: u32 = TICK_HZ;
 
+/// What a drive does with references, as others are told.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[repr(u8)]
+pub enum Following {
+    /// It has followed none since the mode began, and is at rest or on its way there.
+    NotYet = 0,
+    /// It follows them, and goes to rest [`REFERENCE_TIMEOUT_TICKS`] after the last one.
+    UntilTimeout = 1,
+    /// It follows them, and the last one until the mode ends.
+    UntilModeEnds = 2,
+    /// It follows none until a mode begins, and is at rest or on its way there.
+    NoMore = 3,
+}
+
+impl Following {
+    /// By its number; any other is [`Self::NotYet`].
+    pub const fn of_number(number: u8) -> Self {
+        match number {
+            1 => Self::UntilTimeout,
+            2 => Self::UntilModeEnds,
+            3 => Self::NoMore,
+            _ => Self::NotYet,
+        }
+    }
+}
+
 /// What the drive does with references.
 #[derive(Clone, Copy)]
 enum State {
@@ -114,9 +140,14 @@ impl Drive {
         matches!(self.state, State::Following { .. })
     }
 
-    /// Whether nothing is followed until [`restart`](Self::restart).
-    pub fn stopped(&self) -> bool {
-        matches!(self.state, State::Stopped { .. })
+    /// What it does with references, for others to read.
+    pub fn state(&self) -> Following {
+        match self.state {
+            State::Waiting | State::Ready { .. } => Following::NotYet,
+            State::Following { hold: false, .. } => Following::UntilTimeout,
+            State::Following { hold: true, .. } => Following::UntilModeEnds,
+            State::Stopped { .. } => Following::NoMore,
+        }
     }
 
     /// What the model gives for the voltage of the last tick, µm relative to its zero, and how long a way
@@ -128,11 +159,6 @@ impl Drive {
     /// Whether the rest voltage was commanded last.
     pub fn rests(&self) -> bool {
         self.inverse.rests()
-    }
-
-    /// Whether a reference is followed that no [`REFERENCE_TIMEOUT_TICKS`] end.
-    pub fn holding(&self) -> bool {
-        matches!(self.state, State::Following { hold: true, .. })
     }
 
     /// One tick: the codes for the displacement that has come (µm), else for the last one, else on the way to rest; and

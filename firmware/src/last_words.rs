@@ -41,18 +41,18 @@ impl Words {
         Some(text)
     }
 
-    /// What the place holds where there is no message.
+    /// What the slot holds where there is no message.
     const SILENCE: Self = Self { length: 0, checksum: 0, bytes: [0; LENGTH] };
 }
 
-/// The place in memory.
-struct Place(UnsafeCell<MaybeUninit<Words>>);
+/// Memory that no reset clears.
+struct Slot(UnsafeCell<MaybeUninit<Words>>);
 
 // SAFETY: there is one core, and `keep` and `take` say when they may be called.
-unsafe impl Sync for Place {}
+unsafe impl Sync for Slot {}
 
 #[cfg_attr(target_os = "none", unsafe(link_section = ".uninit.last_words"))]
-static PLACE: Place = Place(UnsafeCell::new(MaybeUninit::uninit()));
+static SLOT: Slot = Slot(UnsafeCell::new(MaybeUninit::uninit()));
 
 /// Keeps a message for the next start.
 ///
@@ -61,7 +61,7 @@ static PLACE: Place = Place(UnsafeCell::new(MaybeUninit::uninit()));
 pub unsafe fn keep(message: impl core::fmt::Display) {
     let words = Words::new(message);
     // SAFETY: by the caller's promise. Volatile, so that the store is not removed although this program never reads it.
-    unsafe { PLACE.0.get().write_volatile(MaybeUninit::new(words)) };
+    unsafe { SLOT.0.get().write_volatile(MaybeUninit::new(words)) };
 }
 
 /// Keeps what a panic says, before where it was: paths are long.
@@ -105,13 +105,13 @@ impl core::fmt::Display for PanicText<'_> {
 /// Takes the message of the last run, if it left one.
 ///
 /// # Safety
-/// Once, before the tick and every task; no handler that returns may touch the place.
+/// Once, before the tick and every task; no handler that returns may touch the slot.
 pub unsafe fn take() -> Option<LastWords> {
     // SAFETY: by the caller's promise. Every bit pattern is a `Words`; whether it was written by `keep` is what
     // `read` finds out.
-    let words = unsafe { PLACE.0.get().read_volatile().assume_init() };
+    let words = unsafe { SLOT.0.get().read_volatile().assume_init() };
     // SAFETY: as above.
-    unsafe { PLACE.0.get().write_volatile(MaybeUninit::new(Words::SILENCE)) };
+    unsafe { SLOT.0.get().write_volatile(MaybeUninit::new(Words::SILENCE)) };
     words.read()
 }
 
@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn what_is_kept_is_taken_once() {
-        // SAFETY: no other test uses the place.
+        // SAFETY: no other test uses the slot.
         unsafe {
             keep("gone");
             assert_eq!(take().unwrap(), "gone");

@@ -30,7 +30,7 @@ pub struct Leap {
     /// The last code that was read.
     came: AdcCode,
     /// Ticks until the estimate has caught up.
-    behind: u32,
+    catching_up: u32,
     status: Status,
 }
 
@@ -65,12 +65,12 @@ impl Leap {
     /// For a table's codes; `None` where it does not say how fast the amplifier is.
     pub fn new(table: &Table) -> Option<Self> {
         let limit = table.least_leap()?;
-        Some(Self { limit, state: State::Fresh, came: AdcCode(0), behind: 0, status: Status::empty() })
+        Some(Self { limit, state: State::Fresh, came: AdcCode(0), catching_up: 0, status: Status::empty() })
     }
 
     /// The estimate starts anew, from the next code, whatever it is. A wire that may be off stays so.
     pub fn restart(&mut self) {
-        self.behind = 0;
+        self.catching_up = 0;
         if self.faults().is_empty() {
             (self.state, self.status) = (State::Fresh, Status::empty());
         }
@@ -92,11 +92,11 @@ impl Leap {
         }
     }
 
-    /// One tick: takes the code that was read and how many ticks did not come before it; returns the code to estimate
+    /// One tick: takes the code that was read and how many ticks before it were lost; returns the code to estimate
     /// from. (Never inlined: a tick without a slew rate is not to pay for it.)
     #[inline(never)]
-    pub fn tick(&mut self, code: AdcCode, missed: u32) -> AdcCode {
-        let step = missed.saturating_add(1);
+    pub fn tick(&mut self, code: AdcCode, lost: u32) -> AdcCode {
+        let step = lost.saturating_add(1);
         match self.state {
             State::Fresh => self.believe(code, step, 0),
             State::Believing { last, held, .. } if self.near(code, last, step) => self.believe(code, step, held),
@@ -113,8 +113,8 @@ impl Leap {
 
     #[inline]
     fn believe(&mut self, code: AdcCode, step: u32, mut held: u32) -> AdcCode {
-        self.status = if self.behind > 0 { Status::SLEW_EXCEEDED } else { Status::empty() };
-        self.behind = self.behind.saturating_sub(step);
+        self.status = if self.catching_up > 0 { Status::SLEW_EXCEEDED } else { Status::empty() };
+        self.catching_up = self.catching_up.saturating_sub(step);
         score(&mut held, false, TOO_LONG);
         (self.state, self.came) = (State::Believing { last: code, since: 0, held }, code);
         code
@@ -129,7 +129,8 @@ impl Leap {
         if !self.near(code, self.came, step) && self.near(code, last, since) {
             return self.believe(code, step, held);
         }
-        (self.came, self.behind, self.status) = (code, self.behind.saturating_add(step), Status::SLEW_EXCEEDED);
+        (self.came, self.catching_up, self.status) =
+            (code, self.catching_up.saturating_add(step), Status::SLEW_EXCEEDED);
         self.state = match score(&mut held, true, TOO_LONG) {
             true => State::Open { level: code, away: 0 },
             false => State::Believing { last, since, held },

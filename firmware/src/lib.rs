@@ -22,6 +22,7 @@ pub mod conversion;
 pub mod correction;
 pub mod decimation;
 pub mod drive;
+pub mod ends;
 pub mod facts;
 pub mod last_words;
 pub mod leap;

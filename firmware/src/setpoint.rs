@@ -5,8 +5,9 @@
 //! without a break. From then on every code is followed, except one near an end of the ADC's range: then the last
 //! displacement is held, until the watch ([`crate::watch`]) calls it a fault.
 
+use crate::ends::Ends;
 use crate::rate::TICK_HZ;
-use crate::watch::{Ends, SATURATED};
+use crate::watch::SATURATED;
 use estimator_core::{AdcCode, Admitted, SetpointCalibration};
 
 /// How long everything must have been sound, and the voltage at rest, before a set-point is followed: 1 s.

@@ -1,4 +1,4 @@
-//! What the tick starts with, as the boot has decided.
+//! What the tick starts with, as the boot has decided; and what the DAC is for.
 
 use crate::correction::Correction;
 use crate::drive::Drive;
@@ -6,27 +6,54 @@ use crate::facts::Facts;
 use crate::leap::Leap;
 use crate::ramp::Stride;
 use crate::setpoint::Setpoint;
-use crate::shaping::{Codes, DacParts};
 use estimator_core::{Admitted, DacCalibration, DacCode, Estimator};
 use protocol::Faults;
+
+/// What the DAC is for.
+#[expect(clippy::large_enum_variant, reason = "there is one, and it lies in the board's memory for as long as it runs")]
+pub enum DacUse {
+    /// Nothing: it stays at its safe code. There is no table, or one by which it would drive the amplifier, and which
+    /// is not to be trusted.
+    Rests,
+    /// It shows the displacement, by this calibration, in parts of a code.
+    Shows(DacCalibration),
+    /// It drives the amplifier.
+    Drives {
+        /// What follows the references.
+        drive: Drive,
+        /// A controller's wish, where the table says which displacements its codes stand for.
+        setpoint: Option<Setpoint>,
+    },
+}
+
+impl DacUse {
+    /// The drive, where there is one.
+    pub fn drive(&self) -> Option<&Drive> {
+        match self {
+            Self::Drives { drive, .. } => Some(drive),
+            Self::Rests | Self::Shows(_) => None,
+        }
+    }
+
+    /// The same, to be told something.
+    pub fn drive_mut(&mut self) -> Option<&mut Drive> {
+        match self {
+            Self::Drives { drive, .. } => Some(drive),
+            Self::Rests | Self::Shows(_) => None,
+        }
+    }
+}
 
 /// What the tick computes with, and where its output rests.
 pub struct Startup {
     /// The estimator; without one the DAC stays at its safe code.
     pub estimator: Option<Estimator<f32>>,
-    /// What the DAC is given for a displacement, in parts of a code; `None` where it does not show that, since the
-    /// table has it drive the amplifier, whether or not there is a drive, or there is no table.
-    pub shows: Option<DacCalibration>,
-    /// Parts of a code.
-    pub dac_parts: u16,
     /// What makes up for a supply that is off, of what is read.
     pub correction: Correction,
     /// What finds voltages that the amplifier cannot have made, where the table says how fast it is.
     pub leap: Option<Leap>,
-    /// The drive, where the DAC drives the amplifier.
-    pub drive: Option<Drive>,
-    /// What a controller wants of it, where the table says which displacements its codes stand for.
-    pub setpoint: Option<Setpoint>,
+    /// What the DAC is for.
+    pub dac: DacUse,
     /// The set-point is followed from the first tick on, as soon as everything is sound.
     pub linearises: bool,
     /// The DAC's safe code.
@@ -35,7 +62,7 @@ pub struct Startup {
     pub connected: bool,
     /// How fast the DAC may go to its safe code.
     pub stride: Stride,
-    /// Faults known since boot, which last until the next reset; and [`Faults::ZERO_LOST`], which may come later.
+    /// Faults known since boot, which last until the next reset; [`Faults::ZERO_LOST`] until a displacement is told.
     pub faults: Faults,
 }
 
@@ -70,33 +97,11 @@ impl Startup {
         // A device that has just failed drives nothing by itself: what it did may be what made it fail.
         let calm = facts.restarts.count == 0 && !faults.intersects(Faults::UNSAFE);
         let linearises = calm && facts.has_setpoint && setpoint.as_ref().is_some_and(Setpoint::at_start);
-        let drive = driving.and_then(|table| Drive::new(table, facts.dac_parts));
-        let dac_parts = facts.dac_parts;
-        let shows = table.filter(|table| table.drive.is_none()).map(|table| table.dac.finer(dac_parts));
-        Self {
-            estimator,
-            shows,
-            dac_parts,
-            correction,
-            leap,
-            drive,
-            setpoint,
-            linearises,
-            safe,
-            connected,
-            stride,
-            faults,
-        }
-    }
-
-    /// What the DAC has at its safe code.
-    pub fn at_safe(&self) -> Codes {
-        Codes { code: self.safe, parts: DacParts(self.safe.0.saturating_mul(self.dac_parts)) }
-    }
-
-    /// What the DAC has that shows a displacement (µm), whose code is this; `None` where it shows none.
-    #[inline]
-    pub fn showing(&self, displacement: f32, code: DacCode) -> Option<Codes> {
-        Some(Codes { code, parts: DacParts(self.shows.as_ref()?.code(displacement).0) })
+        let dac = match (driving.and_then(|table| Drive::new(table, facts.dac_parts)), table) {
+            (Some(drive), _) => DacUse::Drives { drive, setpoint },
+            (None, Some(table)) if table.drive.is_none() => DacUse::Shows(table.dac.finer(facts.dac_parts)),
+            (None, _) => DacUse::Rests,
+        };
+        Self { estimator, correction, leap, dac, linearises, safe, connected, stride, faults }
     }
 }

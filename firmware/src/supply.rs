@@ -12,7 +12,7 @@ const FINER: u32 = 8;
 /// Smoothing: mean ← mean + (measured − mean)/4. With a measurement every 20 ms it settles in 70 ms.
 const SMOOTHED: i32 = 4;
 /// So many measurements in a row that do not come are a fault: 60 ms.
-pub const OVERDUE: u8 = 3;
+pub const MISSING: u8 = 3;
 /// A relative deviation of 1, as it is kept.
 const WHOLE: i32 = 65_536 << FINER;
 
@@ -22,7 +22,7 @@ pub struct Measured {
     /// The last one, mV.
     mv: Option<u16>,
     /// Measurements in a row that did not come.
-    overdue: u8,
+    missing: u8,
     /// Whether the last one was within tolerance; `false` before the first.
     was_good: bool,
     /// Whether the supply is known to be out of tolerance.
@@ -41,22 +41,22 @@ impl Measured {
 
     /// Takes a measurement (mV), or that none has come.
     ///
-    /// A supply that was never measured is no fault. Once it was, [`OVERDUE`] measurements in a row that do not come
+    /// A supply that was never measured is no fault. Once it was, [`MISSING`] measurements in a row that do not come
     /// are one: codes are corrected by a voltage that may have changed. A single measurement out of tolerance after a
     /// good one may be a disturbance, and the next one decides; the very first is believed. Codes are corrected by
     /// measurements within tolerance only.
     pub fn take(&mut self, mv: Option<f32>) {
         let Some(mv) = mv else {
             if self.mv.is_some() {
-                self.overdue = self.overdue.saturating_add(1);
-                if self.overdue >= OVERDUE {
+                self.missing = self.missing.saturating_add(1);
+                if self.missing >= MISSING {
                     // The next one that is out of tolerance is not alone after a good one.
                     (self.bad, self.was_good) = (true, false);
                 }
             }
             return;
         };
-        self.overdue = 0;
+        self.missing = 0;
         self.mv = Some((mv + 0.5) as u16).filter(|mv| *mv > 0);
         let off = mv / MADE_FOR_MV - 1.0;
         let is_good = off.abs() <= TOLERANCE;

@@ -7,6 +7,7 @@ mod maybe;
 mod rest;
 
 use crate::correction::Given;
+use crate::drive::Following;
 use crate::facts::Facts;
 use crate::ramp::Stride;
 use crate::rate::ticks_in;
@@ -28,7 +29,7 @@ pub struct Telemetry {
     pub cycles_last: AtomicU32,
     /// The most that one took.
     pub cycles_max: AtomicU32,
-    /// Ticks that came late or not at all, or were not done in time for their output.
+    /// Ticks that came late or not at all, or whose output was not ready in time.
     pub missed: AtomicU32,
     /// Ticks with the ADC at an end of its range.
     pub adc_saturated: AtomicU32,
@@ -48,10 +49,10 @@ pub struct Telemetry {
     pub triggers_ignored: AtomicU32,
     /// Samples that found the queue full.
     pub dropped: AtomicU32,
-    /// The last tick was not done in time for its output.
-    pub overdue: AtomicBool,
+    /// The last tick's output was not ready in time.
+    pub(crate) output_late: AtomicBool,
     /// Ticks come so late, or so seldom, that the output is the safe one.
-    pub(crate) late: AtomicBool,
+    pub(crate) deadline_missed: AtomicBool,
     /// The DAC's code of the last tick.
     dac: AtomicU16,
     /// Its safe one, and how fast it may go there.
@@ -72,11 +73,8 @@ pub struct Telemetry {
     taken: AtomicBool,
     /// Whether the last voltage is not to be believed: what was estimated of it is no displacement to be told by.
     pub(crate) doubtful: AtomicBool,
-    /// Whether a reference is followed that is to be held until the mode ends. For a voltage the link ends it 5 s after
-    /// the host's last word ([`crate::link::LEASE`]), for a displacement never.
-    pub holding: AtomicBool,
-    /// Whether, in a mode that drives, nothing is followed until a mode is set.
-    pub(crate) stopped: AtomicBool,
+    /// What the drive does, by its number.
+    following: AtomicU8,
     /// The analogue supply.
     pub supply: Supply,
     /// What the DAC is given for its codes, which is another than they are where the supply is off.
@@ -124,8 +122,8 @@ impl Telemetry {
             lines: AtomicU32::new(0),
             triggers_ignored: AtomicU32::new(0),
             dropped: AtomicU32::new(0),
-            overdue: AtomicBool::new(false),
-            late: AtomicBool::new(false),
+            output_late: AtomicBool::new(false),
+            deadline_missed: AtomicBool::new(false),
             dac: AtomicU16::new(0),
             safe: AtomicU16::new(0),
             stride: AtomicU32::new(Stride::JUMP.get()),
@@ -137,8 +135,7 @@ impl Telemetry {
             tellings: AtomicU32::new(0),
             taken: AtomicBool::new(false),
             doubtful: AtomicBool::new(false),
-            holding: AtomicBool::new(false),
-            stopped: AtomicBool::new(false),
+            following: AtomicU8::new(Following::NotYet as u8),
             supply: Supply::new(),
             given: Given::new(),
             setpoint: Maybe::none(),
@@ -166,12 +163,12 @@ impl Telemetry {
         self.beaten.get().is_some_and(|beaten| self.ticks.load(Relaxed).wrapping_sub(beaten) > STALLED)
     }
 
-    /// How many cycles a tick took, entry to exit, and whether it was done in time for its output. The board's
+    /// How many cycles a tick took, entry to exit, and whether its output was ready in time. The board's
     /// interrupt handler says so when it is done.
     #[inline]
     pub fn took(&self, cycles: u32, in_time: bool) {
         if !in_time {
-            self.overdue.store(true, Relaxed);
+            self.output_late.store(true, Relaxed);
         }
         self.cycles_last.store(cycles, Relaxed);
         if cycles > self.cycles_max.load(Relaxed) {
@@ -207,9 +204,20 @@ impl Telemetry {
         Mode::from_number(self.mode.load(Relaxed)).unwrap_or_default()
     }
 
+    /// What the drive does with references. A mode of voltages the link ends 5 s after the host's last word
+    /// ([`crate::link::LEASE`]), one of displacements that holds its last one never.
+    pub fn following(&self) -> Following {
+        Following::of_number(self.following.load(Relaxed))
+    }
+
+    #[inline]
+    pub(crate) fn set_following(&self, following: Following) {
+        self.following.store(following as u8, Relaxed);
+    }
+
     /// Whether the set-point is followed, or will be as soon as everything is sound.
     pub fn linearises(&self) -> bool {
-        self.mode() == Mode::Linearise && !self.stopped.load(Relaxed)
+        self.mode() == Mode::Linearise && self.following() != Following::NoMore
     }
 
     /// Whether no zero may be told now. Of fed codes whoever feeds them knows.
@@ -230,7 +238,7 @@ impl Telemetry {
 
     /// Whether a waveform is played.
     pub fn plays(&self) -> bool {
-        self.mode() == Mode::Waveform && !self.stopped.load(Relaxed)
+        self.mode() == Mode::Waveform && self.following() != Following::NoMore
     }
 
     /// Forgets counts and faults seen.

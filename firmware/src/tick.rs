@@ -9,20 +9,23 @@
 //! ([`crate::drive`]), the same holds of its voltage: the reference of tick k moves it at tick k + 1, and the
 //! displacement a tick after that.
 
+mod arrival;
 mod command;
 mod output;
 
 use crate::conversion::Conversion;
-use crate::correction::Read;
+use crate::correction::{Correction, Read};
 use crate::decimation::Streamed;
 use crate::facts::Facts;
+use crate::leap::Leap;
 use crate::queues::{Numbered, TickQueues};
 use crate::setpoint::SetpointCode;
-use crate::shaping::DacParts;
-use crate::startup::Startup;
+use crate::shaping::{Codes, DacParts};
+use crate::startup::{DacUse, Startup};
 use crate::telemetry::{Telemetry, add};
-use crate::watch::{FaultState, Seen, Watch, suffers};
+use crate::watch::{FaultState, Seen, Watch};
 use crate::waveform::{Player, Points};
+use arrival::{Arrival, Clock};
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, Estimate, Estimator, Status};
 use protocol::{Faults, Mode, Sample};
@@ -30,26 +33,26 @@ use protocol::{Faults, Mode, Sample};
 /// With these the estimate is not of the voltage that there is.
 const DOUBTFUL: Status = Status::ADC_SATURATED.union(Status::VOLTAGE_OUT_OF_RANGE).union(Status::SLEW_EXCEEDED);
 
-/// Faults that others find, and that last as those of the watch do.
-const OTHERS: Faults = Faults::SUPPLY.union(Faults::SLEW_EXCEEDED).union(Faults::STALLED);
-
 /// Everything the interrupt owns.
 pub struct Tick<'q> {
-    startup: Startup,
+    correction: Correction,
+    /// Where the table says how fast the amplifier is.
+    leap: Option<Leap>,
+    /// Without one the DAC stays at its safe code.
+    estimator: Option<Estimator<f32>>,
+    dac: DacUse,
+    /// What the DAC has at its safe code.
+    safe: Codes,
+    /// Faults that last whatever is read ([`Startup::faults`]).
+    standing: Faults,
     queues: TickQueues<'q>,
     telemetry: &'q Telemetry,
-    /// Counts of the cycle counter from tick to tick.
-    period: u32,
-    adc_full_scale: u16,
+    clock: Clock,
     mode: Mode,
     watch: Watch,
     /// The tick's number since the mode was set.
     number: u32,
     decimation: Streamed,
-    /// Cycle counter at the last tick.
-    last: Option<u32>,
-    /// An emulated board is as late as its host: however long a gap in its ticks, it is one odd tick.
-    emulated: bool,
     valid: bool,
     /// The estimate of what the ADC reads has been told its displacement.
     told: bool,
@@ -66,27 +69,26 @@ impl<'q> Tick<'q> {
         telemetry: &'q Telemetry,
     ) -> Self {
         telemetry.begin_at_rest(&startup);
-        let (period, adc_full_scale) = (facts.cycles_per_tick, facts.interface.adc_full_scale);
-        let (mode, watch, number, last) = (Mode::default(), Watch::new(adc_full_scale), 0, None);
-        let (decimation, valid, player) = (Streamed::default(), false, Player::new(points, telemetry));
-        let emulated = facts.emulated;
+        let Startup { estimator, correction, leap, dac, linearises, safe, faults, .. } = startup;
         let mut tick = Self {
-            startup,
+            correction,
+            leap,
+            estimator,
+            dac,
+            safe: Codes { code: safe, parts: DacParts(safe.0.saturating_mul(facts.dac_parts)) },
+            standing: faults,
             queues,
             telemetry,
-            period,
-            adc_full_scale,
-            mode,
-            watch,
-            number,
-            decimation,
-            last,
-            emulated,
-            valid,
+            clock: Clock::new(facts),
+            mode: Mode::default(),
+            watch: Watch::new(facts.interface.adc_full_scale),
+            number: 0,
+            decimation: Streamed::default(),
+            valid: false,
             told: false,
-            player,
+            player: Player::new(points, telemetry),
         };
-        if tick.startup.linearises {
+        if linearises {
             tick.enter(Mode::Linearise);
         }
         tick
@@ -97,22 +99,22 @@ impl<'q> Tick<'q> {
     pub fn sample(&mut self, conversion: Conversion, now: u32) -> DacParts {
         add(&self.telemetry.ticks, 1);
         self.telemetry.bias.age();
-        let missed = self.missed(now);
+        let arrival = self.arrival(now);
         if let Some(command) = self.queues.commands.dequeue() {
             self.obey(command);
         }
         self.queues.fed.discard();
         self.queues.references.discard();
         let monitor = conversion.monitor;
-        let mut read = self.startup.correction.tick(self.telemetry.supply.off(), conversion);
+        let mut read = self.correction.tick(self.telemetry.supply.off(), conversion);
         self.telemetry.set_setpoint(read.corrected.setpoint);
-        let mut faults = self.startup.faults;
-        if let Some(leap) = &mut self.startup.leap {
+        let mut faults = self.standing;
+        if let Some(leap) = &mut self.leap {
             // In every mode, paused and fed ones as well: that a wire is off, or back, shows once.
-            read.corrected.monitor = leap.tick(read.corrected.monitor, missed.unwrap_or(0));
+            read.corrected.monitor = leap.tick(read.corrected.monitor, arrival.lost());
             faults |= leap.faults();
         }
-        faults.set(Faults::MISSED_DEADLINE, missed.is_some());
+        faults.set(Faults::MISSED_DEADLINE, arrival.is_late());
         faults.set(Faults::SUPPLY, self.telemetry.supply.bad());
         faults.set(Faults::STALLED, self.telemetry.stalled());
         let read = match self.mode {
@@ -121,15 +123,15 @@ impl<'q> Tick<'q> {
             Mode::Pause => None,
         };
         let (given, faults) = match read {
-            Some(read) => self.estimate(read, missed, faults),
+            Some(read) => self.estimate(read, arrival, faults),
             None => {
                 let codes = self.safe_output();
                 (self.give(codes).0, faults | Faults::SAFE_OUTPUT)
             }
         };
-        let faults = if self.mode.measures() { faults } else { faults | self.idle(monitor, missed, faults) };
+        let faults = if self.mode.measures() { faults } else { faults | self.idle(monitor, arrival, faults) };
         self.telemetry.set_faults(faults);
-        self.telemetry.late.store(self.watch.late(), Relaxed);
+        self.telemetry.deadline_missed.store(self.watch.deadline_missed(), Relaxed);
         self.valid = faults.is_empty();
         given
     }
@@ -138,9 +140,9 @@ impl<'q> Tick<'q> {
     /// modes that have the time.)
     #[cold]
     #[inline(never)]
-    fn idle(&mut self, monitor: AdcCode, missed: Option<u32>, faults: Faults) -> Faults {
-        let (status, missed, astray) = (Status::empty(), self.odd(missed), false);
-        self.watch.update(Seen { monitor, setpoint: None, status, missed, astray, others: faults & OTHERS }).lasting()
+    fn idle(&mut self, monitor: AdcCode, arrival: Arrival, faults: Faults) -> Faults {
+        let (status, late_or_lost, astray) = (Status::empty(), self.clock.odd_ticks(arrival), false);
+        self.watch.update(Seen { monitor, setpoint: None, status, late_or_lost, astray, faults }).lasting()
     }
 
     /// Whether the last tick's code is the estimate's, or follows a reference, with no fault set; a zero that is lost
@@ -149,34 +151,33 @@ impl<'q> Tick<'q> {
         self.valid
     }
 
-    fn estimate(&mut self, read: Read, missed: Option<u32>, faults: Faults) -> (DacParts, Faults) {
+    fn estimate(&mut self, read: Read, arrival: Arrival, faults: Faults) -> (DacParts, Faults) {
         let Read { conversion: Conversion { monitor, .. }, corrected } = read;
         let code = corrected.monitor;
-        let Estimate { displacement, half_width, dac, mut status } = match &mut self.startup.estimator {
+        let Estimate { displacement, half_width, dac, mut status } = match &mut self.estimator {
             Some(estimator) => {
                 let estimate = tick_sample(estimator, code);
                 self.telemetry.may_be_told.store(estimator.may_be_told(), Relaxed);
                 estimate
             }
-            None => Estimate { displacement: 0.0, half_width: None, dac: self.startup.safe, status: Status::empty() },
+            None => Estimate { displacement: 0.0, half_width: None, dac: self.safe.code, status: Status::empty() },
         };
-        if monitor.0 == 0 || monitor.0 >= self.adc_full_scale {
+        if self.watch.at_an_end(monitor) {
             // An end of the range says so whatever has become of it.
             status |= Status::ADC_SATURATED;
         }
-        if let Some(leap) = &self.startup.leap
+        if let Some(leap) = &self.leap
             && self.mode.measures()
         {
             status |= leap.status();
         }
         let setpoint = self.setpoint(read);
-        let (mut faults, sound) = self.supervise(read, setpoint.map(|code| code.read), status, missed, faults);
+        let (mut faults, sound) = self.supervise(read, setpoint.map(|code| code.read), status, arrival, faults);
         self.telemetry.doubtful.store(status.intersects(DOUBTFUL) || !self.watch.sound(), Relaxed);
-        let shown = self.startup.showing(displacement, dac);
-        let output = self.output(shown, setpoint, sound);
+        let output = self.output((displacement, dac), setpoint, sound);
         status |= output.status;
         let (given, beyond) = self.give(output.codes);
-        let drives = self.startup.drive.is_some();
+        let drives = self.dac.drive().is_some();
         if drives {
             // The DAC shows no displacement.
             status.remove(Status::DAC_SATURATED);
@@ -211,31 +212,26 @@ impl<'q> Tick<'q> {
         Read { conversion: Conversion { monitor, .. }, corrected }: Read,
         setpoint: Option<AdcCode>,
         status: Status,
-        missed: Option<u32>,
+        arrival: Arrival,
         faults: Faults,
     ) -> (Faults, bool) {
         // Fed codes are not the ADC's: they say nothing of its health, and their ticks come when they are fed.
         if self.mode == Mode::Pil {
             return (faults, false);
         }
-        self.number = self.number.wrapping_add(missed.unwrap_or(0));
-        let drive = self.startup.drive.as_ref().filter(|_| self.mode.drives());
+        self.number = self.number.wrapping_add(arrival.lost());
+        let drive = self.dac.drive().filter(|_| self.mode.drives());
         let astray = drive.is_some_and(|drive| drive.astray(corrected.monitor));
-        let missed = self.odd(missed);
+        let late_or_lost = self.clock.odd_ticks(arrival);
         // Codes as they were read show the converter's ends, and whether it stands still.
-        let state = self.watch.update(Seen { monitor, setpoint, status, missed, astray, others: faults & OTHERS });
+        let state = self.watch.update(Seen { monitor, setpoint, status, late_or_lost, astray, faults });
         if let FaultState::Recovered(lasted) = state
-            && suffers(lasted)
+            && lasted.harm_estimate()
         {
             // What it has made of the bad codes is forgotten; this tick's sample still has it.
             self.restart();
         }
         (faults | state.lasting(), state == FaultState::Healthy && !faults.intersects(Faults::UNSAFE))
-    }
-
-    /// How many ticks are odd where this one is late, and so many before it are missing.
-    fn odd(&self, missed: Option<u32>) -> u32 {
-        missed.map_or(0, |lost| if self.emulated { 1 } else { lost.saturating_add(1) })
     }
 
     fn stream(&mut self, sample: Sample) {
@@ -255,18 +251,14 @@ impl<'q> Tick<'q> {
         }
     }
 
-    /// How many ticks did not come since the last one, if this one is late or the last one was not done in time.
-    fn missed(&mut self, now: u32) -> Option<u32> {
-        let last = self.last.replace(now)?;
-        let elapsed = now.wrapping_sub(last);
-        let overdue = self.telemetry.overdue.load(Relaxed);
-        if elapsed <= self.period + self.period / 8 && !overdue {
-            return None;
+    /// How this tick has come, which is counted.
+    fn arrival(&mut self, now: u32) -> Arrival {
+        let arrival = self.clock.tick(now, !self.telemetry.output_late.load(Relaxed));
+        if let Arrival::Late { lost } = arrival {
+            self.telemetry.output_late.store(false, Relaxed);
+            add(&self.telemetry.missed, lost.max(1));
         }
-        self.telemetry.overdue.store(false, Relaxed);
-        let lost = ((elapsed + self.period / 2) / self.period).saturating_sub(1);
-        add(&self.telemetry.missed, lost.max(1));
-        Some(lost)
+        arrival
     }
 }
 

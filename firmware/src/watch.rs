@@ -5,6 +5,7 @@
 //! A tick that did not come is an odd one.
 //! A fault lasts until [`HOLD`] ticks after the last cause, so that the output does not flicker between safe and wrong.
 
+use crate::ends::Ends;
 use crate::rate::{TICK_HZ, ticks_in};
 use estimator_core::{AdcCode, Status};
 use protocol::Faults;
@@ -29,29 +30,6 @@ pub const MISSED: u32 = ticks_in(10);
 pub const HOLD: u32 = TICK_HZ;
 /// What an odd tick weighs.
 pub const ODD: u32 = 4;
-/// This part of the ADC's range at either end is too near the end: an amplifier in front of it, or an offset of its
-/// own, may keep a saturated input from its very last code.
-const MARGIN: u16 = 128;
-
-/// The ends of an ADC's range.
-#[derive(Clone, Debug)]
-pub struct Ends {
-    good_codes: core::ops::Range<u16>,
-}
-
-impl Ends {
-    /// For an ADC with this largest code.
-    pub fn new(adc_full_scale: u16) -> Self {
-        let margin = adc_full_scale / MARGIN;
-        Self { good_codes: margin + 1..adc_full_scale - margin }
-    }
-
-    /// Whether a code is too near one of them to be believed.
-    #[inline]
-    pub fn near(&self, AdcCode(code): AdcCode) -> bool {
-        !self.good_codes.contains(&code)
-    }
-}
 
 /// The scores of one channel.
 #[derive(Clone, Debug)]
@@ -87,12 +65,12 @@ pub struct Seen {
     pub setpoint: Option<AdcCode>,
     /// The estimate's status.
     pub status: Status,
-    /// Ticks that came late or not at all: this one, and those before it that are missing.
-    pub missed: u32,
+    /// Ticks that came late or not at all: this one, and those before it that were lost.
+    pub late_or_lost: u32,
     /// The amplifier is not where the drive commands it.
     pub astray: bool,
-    /// The faults that others have found.
-    pub others: Faults,
+    /// The tick's faults so far, of which [`Watch::KEPT`] last as the watch's own do.
+    pub faults: Faults,
 }
 
 /// The scores so far.
@@ -101,7 +79,7 @@ pub struct Watch {
     monitor: Channel,
     setpoint: Channel,
     out_of_range: u32,
-    missed: u32,
+    late_or_lost: u32,
     astray: u32,
     found: Faults,
     hold: u32,
@@ -125,13 +103,16 @@ fn score_of(score: &mut u32, odd: u32, limit: u32) -> bool {
 }
 
 impl Watch {
+    /// Faults that others find, and that last as the watch's own do.
+    pub const KEPT: Faults = Faults::SUPPLY.union(Faults::SLEW_EXCEEDED).union(Faults::STALLED);
+
     /// For an ADC with this largest code.
     pub fn new(adc_full_scale: u16) -> Self {
         Self {
             monitor: Channel::new(adc_full_scale, STUCK),
             setpoint: Channel::new(adc_full_scale, SETPOINT_STUCK),
             out_of_range: 0,
-            missed: 0,
+            late_or_lost: 0,
             astray: 0,
             found: Faults::empty(),
             hold: 0,
@@ -149,23 +130,29 @@ impl Watch {
         }
     }
 
-    /// Whether ticks come so late, or so seldom, that it is a fault.
-    pub fn late(&self) -> bool {
+    /// Whether ticks have come so late, or so seldom, that it is a fault, which lasts.
+    pub fn deadline_missed(&self) -> bool {
         self.found.contains(Faults::MISSED_DEADLINE)
     }
 
-    /// Whether nothing lasts that an estimate [`suffers`] from.
+    /// Whether the monitor's code is at an end of the ADC's range.
+    #[inline]
+    pub fn at_an_end(&self, monitor: AdcCode) -> bool {
+        self.monitor.ends.at(monitor)
+    }
+
+    /// Whether nothing lasts that an estimate suffers from.
     pub fn sound(&self) -> bool {
-        !suffers(self.found)
+        !self.found.harm_estimate()
     }
 
     /// Takes what is seen of one tick, and says which faults last after it.
     #[inline(always)]
     pub fn update(&mut self, seen: Seen) -> FaultState {
-        let Seen { monitor, setpoint, status, missed, astray, others } = seen;
+        let Seen { monitor, setpoint, status, late_or_lost, astray, faults } = seen;
         let beyond = status.contains(Status::VOLTAGE_OUT_OF_RANGE);
         let (saturated, stuck) = self.monitor.update(monitor);
-        let mut now = others;
+        let mut now = faults & Self::KEPT;
         now.set(Faults::ADC_SATURATED, saturated);
         now.set(Faults::OUT_OF_CALIBRATION, score(&mut self.out_of_range, beyond, OUT_OF_RANGE));
         now.set(Faults::ADC_STUCK, stuck);
@@ -173,7 +160,7 @@ impl Watch {
             let (saturated, stuck) = self.setpoint.update(code);
             now.set(Faults::SETPOINT, saturated || stuck);
         }
-        now.set(Faults::MISSED_DEADLINE, score_of(&mut self.missed, missed, MISSED));
+        now.set(Faults::MISSED_DEADLINE, score_of(&mut self.late_or_lost, late_or_lost, MISSED));
         now.set(Faults::AMPLIFIER, score(&mut self.astray, astray, ASTRAY));
         if !now.is_empty() {
             self.found |= now;
@@ -186,12 +173,6 @@ impl Watch {
         }
         if self.found.is_empty() { FaultState::Healthy } else { FaultState::Faulty(self.found) }
     }
-}
-
-/// Whether an estimate suffers from any of these faults: of the set-point nothing is estimated, and the tick goes on
-/// where the main loop stands still.
-pub fn suffers(faults: Faults) -> bool {
-    !Faults::SETPOINT.union(Faults::STALLED).contains(faults)
 }
 
 /// What [`Watch::update`] finds.

@@ -6,7 +6,7 @@ use common::driven::{Bench, REST, STRIDE};
 use common::{PERIOD, SAFE, compiled, driving, tick, triangle};
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, DacCode, Status};
-use firmware::drive::REFERENCE_TIMEOUT_TICKS;
+use firmware::drive::{Following, REFERENCE_TIMEOUT_TICKS};
 use firmware::telemetry::STALLED;
 use firmware::watch::{HOLD, SATURATED};
 use protocol::{Faults, Mode};
@@ -75,7 +75,7 @@ fn references_of_the_mode_before_are_discarded_a_few_a_tick_and_never_followed()
     }
     bench.link.queues.references.enqueue(1.0).unwrap();
     bench.step();
-    assert!(bench.link.telemetry.holding.load(Relaxed), "the first of this one is followed");
+    assert_eq!(bench.link.telemetry.following(), Following::UntilModeEnds, "the first of this one is followed");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use common::driving;
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, DacCode, Status};
 use firmware::Conversion;
-use firmware::drive::REFERENCE_TIMEOUT_TICKS;
+use firmware::drive::{Following, REFERENCE_TIMEOUT_TICKS};
 use firmware::watch::SATURATED;
 use protocol::{Faults, Mode};
 
@@ -185,6 +185,7 @@ fn where_nobody_speaks_any_more_it_goes_back_to_rest_unless_it_is_to_hold() {
         let (later, _, faults) = bench.step();
         assert_eq!(later, if hold { code_of(3.0) } else { REST });
         assert_eq!(faults.contains(Faults::SAFE_OUTPUT), !hold);
-        assert_eq!(bench.link.telemetry.holding.load(Relaxed), hold);
+        let held = bench.link.telemetry.following() == Following::UntilModeEnds;
+        assert_eq!(held, hold);
     }
 }

@@ -3,7 +3,7 @@
 mod common;
 
 use common::driven::{Bench, REST, STRIDE};
-use common::{FACTS, SETPOINT, linearising, started};
+use common::{FACTS, SETPOINT, linearising, started_on};
 use estimator_core::{AdcCode, Admitted, DacCode, DriveCalibration, DriveLimits, Table};
 use firmware::drive::REFERENCE_TIMEOUT_TICKS;
 use firmware::queues::Command;
@@ -31,7 +31,7 @@ impl Controlled {
     }
 
     fn of(table: &Admitted, facts: &Facts, doubts: Faults) -> Self {
-        let (tick, link) = started(Startup::new(Some(table), facts, doubts));
+        let (tick, link) = started_on(facts, Startup::new(Some(table), facts, doubts));
         link.telemetry.streaming.store(true, std::sync::atomic::Ordering::Relaxed);
         let dac = link.telemetry.safe();
         Self { bench: Bench { tick, link, k: 0, dac }, wants: code(30.0) }

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{FACTS, LinkEnd, PERIOD, compiled, driving, started, triangle};
+use common::{FACTS, LinkEnd, PERIOD, compiled, driving, started_on, triangle};
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, Admitted, DacCode};
 use firmware::queues::Command;
@@ -19,7 +19,7 @@ const STRIDE: u16 = 328;
 
 fn fine(table: &Admitted, supply_mv: f32) -> (Tick<'static>, LinkEnd) {
     let facts = Facts { supply_mv: Some(supply_mv), ..FINE };
-    let (tick, link) = started(Startup::new(Some(table), &facts, Faults::empty()));
+    let (tick, link) = started_on(&facts, Startup::new(Some(table), &facts, Faults::empty()));
     link.telemetry.begin(&facts, &Measured::of(facts.supply_mv));
     link.telemetry.streaming.store(true, Relaxed);
     (tick, link)

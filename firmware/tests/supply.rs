@@ -9,7 +9,7 @@ use estimator_core::{AdcCalibration, AdcCode, Admitted, Estimator, Status, Table
 use firmware::Tick;
 use firmware::correction::Correction;
 use firmware::queues::Command;
-use firmware::supply::{MADE_FOR_MV, Measured, OVERDUE, Supply};
+use firmware::supply::{MADE_FOR_MV, MISSING, Measured, Supply};
 use firmware::watch::{HOLD, SATURATED};
 use protocol::{Faults, Mode};
 
@@ -214,12 +214,12 @@ fn a_supply_that_is_not_measured_any_more_is_a_fault_and_one_that_never_was_is_n
         assert_eq!(faults(&mut bench, MEASURED), Faults::empty(), "this board cannot");
     }
     bench.measures(3_250.0);
-    for missing in 1..OVERDUE {
+    for missing in 1..MISSING {
         never(&mut bench);
         assert_eq!(faults(&mut bench, MEASURED), Faults::empty(), "{missing} did not come");
     }
     bench.measures(3_250.0);
-    (1..OVERDUE).for_each(|_| never(&mut bench));
+    (1..MISSING).for_each(|_| never(&mut bench));
     assert_eq!(faults(&mut bench, MEASURED), Faults::empty(), "they were not in a row");
     never(&mut bench);
     let lasting = Faults::SUPPLY | Faults::SAFE_OUTPUT;

@@ -3,7 +3,7 @@
 mod common;
 
 use common::driven::{REST, STRIDE};
-use common::{FACTS, LinkEnd, PERIOD, SETPOINT, compiled, driving, linearising, started};
+use common::{FACTS, LinkEnd, PERIOD, SETPOINT, compiled, driving, linearising, started_on};
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::{AdcCode, Admitted, DacCalibration, DriveCalibration, Status, Table};
 use firmware::queues::Command;
@@ -43,7 +43,7 @@ impl Bench {
     /// At a supply that is measured at boot.
     fn new(table: Admitted, mv: f32) -> Self {
         let facts = Facts { supply_mv: Some(mv), ..FACTS };
-        let (tick, link) = started(Startup::new(Some(&table), &facts, Faults::empty()));
+        let (tick, link) = started_on(&facts, Startup::new(Some(&table), &facts, Faults::empty()));
         let measured = Measured::of(facts.supply_mv);
         link.telemetry.begin(&facts, &measured);
         link.telemetry.streaming.store(true, Relaxed);

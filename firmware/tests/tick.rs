@@ -85,7 +85,7 @@ fn missed_ticks_are_counted_and_said_and_skipped_in_the_numbers() {
 fn a_table_that_drives_shows_no_displacement_where_it_is_not_to_drive() {
     let facts = Facts { restarts: Restarts { count: TOO_MANY, ..Restarts::NONE }, ..FACTS };
     let startup = Startup::new(Some(&driving()), &facts, Faults::empty());
-    assert!(startup.drive.is_none());
+    assert!(startup.dac.drive().is_none());
     let (mut tick, link) = started_on(&facts, startup);
     let safe = link.telemetry.safe();
     for k in 0..3_000 {

@@ -69,6 +69,13 @@ impl Faults {
         .union(Self::DEMONSTRATION)
         .union(Self::STALLED);
 
+    /// Whether an estimate suffers from any of these: of the set-point nothing is estimated, and the tick goes on where
+    /// the main loop stands still.
+    #[must_use]
+    pub const fn harm_estimate(self) -> bool {
+        !Self::SETPOINT.union(Self::STALLED).contains(self)
+    }
+
     /// The faults with which a mode is not entered, beside ticks that go on being late: none where the output rests or
     /// shows the estimate, and where it drives those of [`Faults::UNSAFE`] that concern the mode.
     pub const fn against(mode: Mode) -> Self {

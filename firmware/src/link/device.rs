@@ -4,6 +4,7 @@ use super::loaded::Loaded;
 use crate::boot::{self, Chosen};
 use crate::chip::Chip;
 use crate::compiled::TABLE;
+use crate::drive::Following;
 use crate::facts::Facts;
 use crate::queues::{Command, LinkQueues};
 use crate::rate::TICK_HZ;
@@ -207,7 +208,7 @@ impl<F: NorFlash> Device<'_, F> {
     /// asked for; the voltages of a session are held between its parts, by a host that goes on.
     pub fn lent(&self) -> bool {
         let mode = self.telemetry.mode();
-        let stays = mode == Mode::Follow && self.telemetry.holding.load(Relaxed);
+        let stays = mode == Mode::Follow && self.telemetry.following() == Following::UntilModeEnds;
         !mode.lasts() && !stays
     }
 
@@ -233,8 +234,8 @@ impl<F: NorFlash> Device<'_, F> {
             return Err(Refusal::NoDrive);
         }
         // Of ticks that are late one alone hinders nothing.
-        let late = mode.drives() && self.telemetry.late.load(Relaxed);
-        if late || self.telemetry.faults().intersects(Faults::against(mode)) {
+        let deadline_missed = mode.drives() && self.telemetry.deadline_missed.load(Relaxed);
+        if deadline_missed || self.telemetry.faults().intersects(Faults::against(mode)) {
             return Err(Refusal::Faulty);
         }
         let epoch = self.telemetry.epoch.load(Relaxed);

@@ -55,7 +55,7 @@ impl Telemetry {
     /// Before the first tick: what the output rests at, and the way there.
     pub(crate) fn begin_at_rest(&self, startup: &Startup) {
         self.connected.store(startup.connected, Relaxed);
-        self.drives.store(startup.drive.is_some(), Relaxed);
+        self.drives.store(startup.dac.drive().is_some(), Relaxed);
         self.dac.store(startup.safe.0, Relaxed);
         self.safe.store(startup.safe.0, Relaxed);
         self.stride.store(startup.stride.get(), Relaxed);

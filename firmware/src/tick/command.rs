@@ -2,37 +2,39 @@
 
 use super::{Tick, tick_restart};
 use crate::decimation::Streamed;
+use crate::drive::Following;
 use crate::queues::Command;
+use crate::startup::DacUse;
 use core::sync::atomic::Ordering::Relaxed;
 use estimator_core::Estimator;
 use protocol::{Faults, Mode};
 
 impl Tick<'_> {
     pub(super) fn restart(&mut self) {
-        if let Some(estimator) = &mut self.startup.estimator {
+        if let Some(estimator) = &mut self.estimator {
             tick_restart(estimator);
         }
-        self.startup.correction.restart();
-        if let Some(leap) = &mut self.startup.leap {
+        self.correction.restart();
+        if let Some(leap) = &mut self.leap {
             leap.restart();
         }
         self.telemetry.bias.set(None);
         self.telemetry.may_be_told.store(false, Relaxed);
         if core::mem::take(&mut self.told) {
-            self.startup.faults.insert(Faults::ZERO_LOST);
+            self.standing.insert(Faults::ZERO_LOST);
         }
     }
 
     /// Tells the estimator its bias, and the link whether it was taken.
     fn tell(&mut self, tell: impl FnOnce(&mut Estimator<f32>) -> bool) {
-        let estimator = self.startup.estimator.as_mut();
+        let estimator = self.estimator.as_mut();
         let taken = estimator.and_then(|estimator| tell(estimator).then(|| estimator.bias()));
         if taken.is_some() {
             self.telemetry.bias.set(taken);
             // Of fed codes it is over with them.
             if self.mode.measures() {
                 self.told = true;
-                self.startup.faults.remove(Faults::ZERO_LOST);
+                self.standing.remove(Faults::ZERO_LOST);
             }
         }
         self.telemetry.was_told(taken.is_some());
@@ -51,18 +53,17 @@ impl Tick<'_> {
         if !goes_on {
             self.restart();
         }
-        if let Some(setpoint) = &mut self.startup.setpoint {
-            setpoint.restart();
-        }
-        if let Some(drive) = &mut self.startup.drive {
+        if let DacUse::Drives { drive, setpoint } = &mut self.dac {
+            if let Some(setpoint) = setpoint {
+                setpoint.restart();
+            }
             drive.restart();
             if matches!(mode, Mode::Linearise | Mode::Waveform) {
                 drive.go(true);
             }
         }
         self.player.stop();
-        self.telemetry.holding.store(false, Relaxed);
-        self.telemetry.stopped.store(false, Relaxed);
+        self.telemetry.set_following(Following::NotYet);
         self.telemetry.set_mode(mode);
     }
 
@@ -71,13 +72,13 @@ impl Tick<'_> {
             Command::SetMode(mode) => self.enter(mode),
             Command::Play(how) => {
                 self.enter(Mode::Waveform);
-                if let Some(drive) = &self.startup.drive {
+                if let Some(drive) = self.dac.drive() {
                     let (from, pace) = drive.stands();
                     self.player.play(how, from, pace);
                 }
             }
             Command::Go { hold } => {
-                if let Some(drive) = &mut self.startup.drive {
+                if let Some(drive) = self.dac.drive_mut() {
                     drive.go(hold);
                 }
             }

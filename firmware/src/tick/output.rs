@@ -3,16 +3,16 @@
 
 use super::Tick;
 use crate::decimation::Streamed;
-use crate::drive::Drive;
+use crate::drive::{Drive, Following};
 use crate::setpoint::SetpointCode;
 use crate::shaping::{Codes, DacParts};
+use crate::startup::DacUse;
 use crate::telemetry::add;
-use core::sync::atomic::Ordering::Relaxed;
-use estimator_core::Status;
+use estimator_core::{DacCode, Status};
 use protocol::Mode;
 
 /// What the DAC is to have.
-pub(crate) struct Output {
+pub(super) struct Wanted {
     pub codes: Codes,
     /// It is the safe one, or on the way there.
     pub safe: bool,
@@ -22,25 +22,30 @@ pub(crate) struct Output {
 
 impl Tick<'_> {
     /// What the DAC is given, and whether that is too little.
-    pub(crate) fn give(&self, Codes { code, parts }: Codes) -> (DacParts, bool) {
+    pub(super) fn give(&self, Codes { code, parts }: Codes) -> (DacParts, bool) {
         self.telemetry.set_dac(code);
         self.telemetry.given.tick(&self.telemetry.supply, parts)
     }
 
-    /// The output of a tick whose estimate the DAC would show by `shown`, where it shows that, and whose set-point has
-    /// the code `setpoint`; where not `sound`, the safe one.
-    pub(crate) fn output(&mut self, shown: Option<Codes>, setpoint: Option<SetpointCode>, sound: bool) -> Output {
+    /// The output of a tick with this estimate (µm, and its code), whose set-point has the code `setpoint`; where not
+    /// `sound`, the safe one.
+    pub(super) fn output(
+        &mut self,
+        (displacement, code): (f32, DacCode),
+        setpoint: Option<SetpointCode>,
+        sound: bool,
+    ) -> Wanted {
         let status = Status::empty();
-        match &mut self.startup.drive {
-            Some(drive) if self.mode.drives() => {
+        match &mut self.dac {
+            DacUse::Drives { drive, setpoint: wants } if self.mode.drives() => {
                 // What waits at rest for a set-point goes on waiting.
                 if !sound && (setpoint.is_none() || drive.following()) {
                     drive.stop();
                 }
-                let next = match (setpoint, &mut self.startup.setpoint) {
+                let next = match (setpoint, wants) {
                     (Some(code), Some(wants)) => wants.wanted(code, sound, drive.rests()),
                     _ if self.mode == Mode::Waveform => {
-                        let wanted = if drive.stopped() { None } else { self.player.tick() };
+                        let wanted = if drive.state() == Following::NoMore { None } else { self.player.tick() };
                         if wanted.is_none() {
                             self.player.stop();
                             drive.stop();
@@ -57,15 +62,15 @@ impl Tick<'_> {
                     add(&self.telemetry.starved, 1);
                 }
                 let (codes, status) = if self.mode == Mode::Excite { drive.excite(next) } else { drive.follow(next) };
-                self.telemetry.holding.store(drive.holding(), Relaxed);
-                self.telemetry.stopped.store(drive.stopped(), Relaxed);
-                Output { codes, safe: !drive.following(), status }
+                self.telemetry.set_following(drive.state());
+                Wanted { codes, safe: !drive.following(), status }
             }
-            Some(drive) => Output { codes: drive.release(), safe: true, status },
-            None => match shown.filter(|_| sound) {
-                Some(codes) => Output { codes, safe: false, status },
-                None => Output { codes: self.startup.at_safe(), safe: true, status },
-            },
+            DacUse::Drives { drive, .. } => Wanted { codes: drive.release(), safe: true, status },
+            DacUse::Shows(calibration) if sound => {
+                let parts = DacParts(calibration.code(displacement).0);
+                Wanted { codes: Codes { code, parts }, safe: false, status }
+            }
+            DacUse::Shows(_) | DacUse::Rests => Wanted { codes: self.safe, safe: true, status },
         }
     }
 
@@ -84,8 +89,7 @@ impl Tick<'_> {
     }
 
     /// The safe output, or one on the way to it.
-    pub(crate) fn safe_output(&mut self) -> Codes {
-        let safe = self.startup.at_safe();
-        self.startup.drive.as_mut().map_or(safe, Drive::release)
+    pub(super) fn safe_output(&mut self) -> Codes {
+        self.dac.drive_mut().map_or(self.safe, Drive::release)
     }
 }

@@ -1,6 +1,7 @@
 //! The watch beside ticks that are odd.
 
 use super::*;
+use crate::ends::MARGIN;
 
 const FULL: u16 = 65_520;
 const GOOD: Status = Status::empty();
@@ -14,8 +15,8 @@ fn life(tick: impl Fn(u32) -> (AdcCode, Status, bool, bool)) -> (u32, Faults, u3
     life_of(|k| seen(tick(k)))
 }
 
-fn seen((monitor, status, missed, astray): (AdcCode, Status, bool, bool)) -> Seen {
-    Seen { monitor, setpoint: None, status, missed: missed.into(), astray, others: Faults::empty() }
+fn seen((monitor, status, late, astray): (AdcCode, Status, bool, bool)) -> Seen {
+    Seen { monitor, setpoint: None, status, late_or_lost: late.into(), astray, faults: Faults::empty() }
 }
 
 /// The same of ticks of which more is seen.
@@ -59,14 +60,14 @@ fn lasting_oddities_become_faults_and_pass_a_second_after_their_end() {
 
 #[test]
 fn a_gap_in_the_ticks_is_as_long_a_fault_as_ticks_that_are_late_for_as_long() {
-    let gap = |missed: u32| {
+    let gap = |late_or_lost: u32| {
         let mut watch = Watch::new(FULL);
-        let missing = Seen { missed, ..seen((moving(0), GOOD, false, false)) };
-        (watch.update(missing), watch.late())
+        let missing = Seen { late_or_lost, ..seen((moving(0), GOOD, false, false)) };
+        (watch.update(missing), watch.deadline_missed())
     };
     assert_eq!(gap(MISSED - 1), (FaultState::Healthy, false));
-    for missed in [MISSED, u32::MAX] {
-        assert_eq!(gap(missed), (FaultState::Faulty(Faults::MISSED_DEADLINE), true));
+    for late_or_lost in [MISSED, u32::MAX] {
+        assert_eq!(gap(late_or_lost), (FaultState::Faulty(Faults::MISSED_DEADLINE), true));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::bench::{Bench, push};
 use crate::common::{FACTS, PERIOD, compiled, driving, started, triangle};
-use core::sync::atomic::Ordering::Relaxed;
+use firmware::drive::Following;
 use firmware::queues::Command;
 use firmware::startup::Startup;
 use protocol::{Faults, Mode, Refusal, Reply, Request};
@@ -128,8 +128,8 @@ fn the_displacement_is_held_once_the_last_reference_is_in() {
     }
     assert!((236..300).contains(&taken), "the queue is full within the last frame: {taken}");
     run(60);
-    assert!(!bench.device.telemetry.holding.load(Relaxed), "references are missing");
+    assert_eq!(bench.device.telemetry.following(), Following::UntilTimeout, "references are missing");
     assert_eq!(refer(&mut bench, taken), 300);
     run(1);
-    assert!(bench.device.telemetry.holding.load(Relaxed));
+    assert_eq!(bench.device.telemetry.following(), Following::UntilModeEnds);
 }

@@ -10,6 +10,7 @@ use embassy_time::{Duration, Instant, Timer};
 use embedded_storage_async::nor_flash::NorFlash;
 use estimator_core::DacCode;
 use estimator_core::table::Interface;
+use firmware::drive::Following;
 use firmware::rate::{TICK_HZ, TICK_US};
 use firmware::restarts::{Memory, Place, Restarts};
 use firmware::waveform::Points;
@@ -141,7 +142,7 @@ async fn ticks(
             left -= 1.0;
         }
         if left < MOST_TICKS {
-            starving = telemetry.starved.load(Relaxed) != starved && !telemetry.holding.load(Relaxed);
+            starving = telemetry.starved.load(Relaxed) != starved && telemetry.following() != Following::UntilModeEnds;
         }
         if due >= 1.0 {
             yield_now().await;
