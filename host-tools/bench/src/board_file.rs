@@ -24,7 +24,8 @@ use ::calibration::drive::{DriveOptions, ordered};
 use ::calibration::span::Span;
 use estimator_core::Range;
 use protocol::{Identity, Uid};
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize};
 use std::path::Path;
 
 pub use error::{AnotherBoard, BoardFileError};
@@ -39,6 +40,7 @@ const ADC_MARGIN: f64 = 1.0 / 128.0;
 #[serde(deny_unknown_fields)]
 pub struct BoardFacts {
     /// Amplifier voltage at ADC code 0 and at full scale, V.
+    #[serde(default, deserialize_with = "ends")]
     pub adc_span: Option<(f64, f64)>,
     /// Largest ADC code, oversampling included.
     pub adc_full_scale: Option<u16>,
@@ -47,21 +49,36 @@ pub struct BoardFacts {
     /// Largest DAC code.
     pub dac_full_scale: Option<u16>,
     /// Amplifier voltage at DAC code 0 and at full scale, V.
+    #[serde(default, deserialize_with = "ends")]
     pub drive_span: Option<(f64, f64)>,
     /// Voltages that the amplifier may be driven to, V.
+    #[serde(default, deserialize_with = "ends")]
     pub drive_range: Option<(f64, f64)>,
     /// Voltage when nothing is wanted, V.
     pub drive_rest: Option<f64>,
     /// Fastest change, V/s.
     pub drive_slew: Option<f64>,
     /// Displacement at the sensor's code 0 and at full scale, µm.
+    #[serde(default, deserialize_with = "ends")]
     pub sensor_span: Option<(f64, f64)>,
     /// Displacement that a controller wants by the set-point's code 0 and by its full scale, µm.
+    #[serde(default, deserialize_with = "ends")]
     pub setpoint_span: Option<(f64, f64)>,
     /// Whether the device follows the set-point of itself after a start.
     pub linearise: Option<bool>,
     /// The unique number of the board that this was measured on.
     pub board_uid: Option<Uid>,
+}
+
+/// Two numbers and no more, as a tuple takes the first two of whatever is there: `[-5,0, 25,0]` with decimal commas.
+fn ends<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<(f64, f64)>, D::Error> {
+    let numbers = Vec::deserialize(deserializer)?;
+    <[f64; 2]>::try_from(numbers).map(|[zero, full]| Some((zero, full))).map_err(|numbers| {
+        let many = numbers.len();
+        D::Error::custom(format_args!(
+            "expected two numbers, as [-5.0, 25.0], not {many}: write decimals with a point, not a comma"
+        ))
+    })
 }
 
 /// Every value with what it is.

@@ -44,6 +44,12 @@ fn what_cannot_be_is_named_with_its_place_or_value() {
     says(&format!("{whole}setpoint_span = [4, 4]"), &["line 4: setpoint_span = [4, 4]", "differ"]);
     let controlled = BoardFacts { setpoint_span: Some((-1.0, 16.0)), linearise: Some(true), ..FACTS };
     assert_eq!(read(&controlled.to_toml()), Ok(controlled));
+    for span in ["[-5,0, 25,0]", "[-5.0]", "[]", "[0, 1, 2]"] {
+        says(
+            &format!("drive_rest = 1\nsensor_span = {span}"),
+            &["line 2", span, "two numbers, as [-5.0, 25.0], not", "with a point"],
+        );
+    }
     says("dac_full_scale = 0", &["dac_full_scale = 0"]);
     says("adc_full_scale = 70000", &["line 1", "70000"]);
 }
