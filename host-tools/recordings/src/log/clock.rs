@@ -1,7 +1,8 @@
 //! The sample period of a log, and the proof that its time stamps keep it.
 //!
 //! The period is the slope of the line of least squares through all time stamps, never one step; a whole-hertz rate
-//! that the stamps cannot tell from it is taken instead.
+//! that the stamps cannot tell from it is taken instead, where their steps differ: 134 stamps exactly 1.5 ms apart are
+//! no rounded ones of 667 Hz.
 
 use super::channels::Channels;
 use super::error::PlacedFault;
@@ -14,6 +15,8 @@ use measurement_files::{Quantity, SampleTime, Unit, excerpt};
 
 /// Tolerated deviation of a stated sample rate from the time column's, as a part of it.
 const RATE_TOLERANCE: f64 = 1e-3;
+/// What a step may differ from the others, of the last digit, where none of them is rounded.
+const EVEN: f64 = 1e-3;
 /// Sample periods outside this range are taken for a wrong unit, s.
 const PERIODS: std::ops::RangeInclusive<f64> = 1e-7..=10.0;
 
@@ -45,8 +48,12 @@ pub(super) fn sample_period(recording: &Recording, stated_rate: Option<f64>) -> 
 
     let line = Line::fit(time);
     let span = time[time.len() - 1] - time[0];
-    let printed = coarsest(&resolution) / span;
-    let period = match whole_rate(line.period, printed.min(RATE_TOLERANCE)) {
+    let digit = coarsest(&resolution);
+    let printed = digit / span;
+    // Stamps since 1970 have fewer digits left for their steps.
+    let exact = EVEN * digit + 2.0 * f64::EPSILON * time[time.len() - 1].abs();
+    let even = digit > 0.0 && time.windows(2).all(|pair| (pair[1] - pair[0] - line.period).abs() <= exact);
+    let period = match whole_rate(line.period, if even { exact / span } else { printed.min(RATE_TOLERANCE) }) {
         Some(rate) => 1.0 / rate,
         None => line.period,
     };
@@ -159,6 +166,18 @@ mod tests {
         assert_eq!(period(&first_step_short, None).unwrap(), 0.001);
         let late: Vec<f64> = clock(1000, 0.0005).iter().map(|t| t + 1.7e9).collect();
         assert_eq!(period(&late, None).unwrap(), 0.0005);
+    }
+
+    #[test]
+    fn a_period_that_every_step_has_is_no_rounded_whole_rate() {
+        for (period_ms, rows, decimals) in [(1.5, 134, 4), (1.5, 20, 4), (3.0, 20, 3), (4.5, 20, 4), (9.0, 20, 3)] {
+            let time = printed(&clock(rows, period_ms * 1e-3), |t| format!("{t:.decimals$}"));
+            let found = 1e3 * period(&time, None).unwrap();
+            assert!((found - period_ms).abs() < 1e-9, "{period_ms} ms: {found}");
+            let since_1970 = |t: f64| format!("{:.decimals$}", 1.7e9 + t);
+            let found = 1e3 * period(&printed(&clock(rows, period_ms * 1e-3), since_1970), None).unwrap();
+            assert!((found - period_ms).abs() < 1e-5, "{period_ms} ms: {found}");
+        }
     }
 
     #[test]
