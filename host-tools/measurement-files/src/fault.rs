@@ -37,6 +37,8 @@ pub enum Fault {
     },
     /// No line is a row of numbers.
     NoRows,
+    /// A comma stands between the fields and is the decimal separator, too.
+    DecimalCommas,
     /// A row has another number of fields than the rows before.
     UnevenRow {
         /// Fields of this row.

@@ -57,7 +57,7 @@ pub(crate) fn find(lines: &[String], layout: &Layout, entries: &[Entry]) -> Opti
 }
 
 /// Whether a name is a unit, or has one in brackets behind it.
-fn states_unit(name: &str) -> bool {
+pub(crate) fn states_unit(name: &str) -> bool {
     name.parse::<Unit>().is_ok() || name.ends_with([')', ']', '}'])
 }
 

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::io::BufRead;
 
-use crate::dialect::Kind;
+use crate::dialect::{Dialect, Kind};
 use crate::fault::{Fault, Place, PlacedFault};
 use crate::header::{self, Header};
 use crate::layout::{self, Layout, is_comment};
@@ -30,6 +30,9 @@ pub(crate) fn open<'a>(stream: Box<dyn BufRead + 'a>) -> Result<Table<'a>, Place
     };
     let entries = preamble::entries(&lines[..layout.start]);
     let header = header::find(&lines, &layout, &entries);
+    if header.is_none() && decimal_commas(&lines, &layout) {
+        return Err(Fault::DecimalCommas.at(Place::Line(layout.start + 1)));
+    }
     let sample_time = sample_time::find(&entries);
     let (named, at) = match &header {
         Some(header) => (true, header.line),
@@ -65,6 +68,22 @@ fn head(rest: &mut Lines<'_>) -> Result<(Vec<String>, Option<Layout>), Fault> {
         }
         enough *= 4;
     }
+}
+
+/// Whether commas stand between the fields and in the numbers, too: the line before the rows has half as many fields as
+/// they, units among them and no number, and no row has a decimal point.
+fn decimal_commas(lines: &[String], layout: &Layout) -> bool {
+    let comma = Dialect::ALL[0];
+    let mut names = Vec::new();
+    if let Some(before) = lines[..layout.start].iter().rev().find(|line| !line.trim().is_empty()) {
+        comma.split(before, &mut names);
+    }
+    let fields = layout.kinds.len();
+    let text = || names.iter().all(|name| comma.kind(name) == Kind::Text);
+    let whole = || lines[layout.start..layout.end].iter().all(|row| !row.contains('.'));
+    let ends = |name: &str| name.rsplit_once(['_', ' ']).is_some_and(|(_, end)| header::states_unit(end));
+    let unit = || names.iter().any(|name| header::states_unit(name) || ends(name));
+    layout.dialect == comma && names.len() > 1 && fields == 2 * names.len() && text() && unit() && whole()
 }
 
 /// Fewest and most fields of a row: what header and rows agree on, and what they may leave out at their ends.
@@ -109,6 +128,21 @@ mod tests {
         let mut rows = 0;
         let read = open(Box::new(text.as_bytes())).and_then(|table| table.rows(&[1, 2], false, &mut |_| rows += 1));
         read.map(|()| rows).map_err(|PlacedFault(place, fault)| (place, fault))
+    }
+
+    #[test]
+    fn commas_between_fields_and_in_numbers_are_refused_by_name() {
+        let row = "0,0010,0,0043,2,99890\n";
+        let (place, fault) = rows(&("Zeit [s],Spannung [V],Weg [µm]\n".to_owned() + &row.repeat(50))).unwrap_err();
+        assert!(matches!(fault, Fault::DecimalCommas) && place == Place::Line(2), "{fault:?}");
+        let plain = rows(&("time_s,voltage_V,displacement_um\n".to_owned() + &row.repeat(50)));
+        assert!(matches!(plain, Err((_, Fault::DecimalCommas))), "{plain:?}");
+        let six = "t_s,u_V,y_um,a,b,c\n".to_owned() + &row.repeat(50);
+        assert_eq!(rows(&six).unwrap(), 50);
+        let four = "Recorded by J. Doe, lab 3\n".to_owned() + &"0.5,1.2,3.4,5.6\n".repeat(50);
+        assert_eq!(rows(&four).unwrap(), 50, "a line of text above four columns");
+        assert_eq!(rows(&four.replace('.', "")).unwrap(), 50, "the same of whole numbers");
+        assert_eq!(rows(&row.repeat(50)).unwrap(), 50, "no header says how many columns there are");
     }
 
     #[test]

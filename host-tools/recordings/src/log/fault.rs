@@ -233,6 +233,12 @@ pub enum Fault {
         /// Fields of the header or the first row.
         expected: usize,
     },
+    /// A comma between the fields, and in the numbers.
+    #[error(
+        "a comma separates the columns and is the decimal separator, too, so that each number is two fields: export it with \
+         semicolons or tabs between the columns, or with decimal points"
+    )]
+    DecimalCommas,
     /// An empty line with rows after it.
     #[error("an empty line separates the rows: keep one recording a file, or delete the line")]
     EmptyLine,

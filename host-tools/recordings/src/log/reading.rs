@@ -183,6 +183,7 @@ fn placed(PlacedFileFault(at, fault): PlacedFileFault, quantities: &[Quantity]) 
         FileFault::Empty => Fault::Empty,
         FileFault::Binary { what } => Fault::Binary { what },
         FileFault::NoRows => Fault::FewRows { rows: 0, minimum: MINIMUM_ROWS },
+        FileFault::DecimalCommas => Fault::DecimalCommas,
         FileFault::UnevenRow { found, expected } => Fault::UnevenRow { found, expected },
         FileFault::EmptyLine => Fault::EmptyLine,
         FileFault::NotANumber { column, value } => Fault::NotANumber { quantity: quantity(column), value },
