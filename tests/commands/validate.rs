@@ -56,6 +56,31 @@ fn out(folder: &tempfile::TempDir) -> PathBuf {
     folder.path().join("estimates.csv")
 }
 
+/// The sensor of a log that shows every displacement a row later, 5 ms.
+#[test]
+fn a_sensor_that_is_later_than_in_the_training_is_stated() {
+    let folder = tempfile::tempdir().unwrap();
+    let (header, rows): (Vec<String>, Vec<Vec<String>>) = {
+        let read = fs::read_to_string(super::root().join(OTHER_DAY)).unwrap();
+        let (header, rows): (Vec<&str>, Vec<&str>) = read.lines().partition(|line| !line.starts_with(char::is_numeric));
+        let cells = |row: &str| row.split(',').map(str::to_owned).collect();
+        (header.iter().map(|line| (*line).to_owned()).collect(), rows.into_iter().map(cells).collect())
+    };
+    let later = rows.windows(2).map(|pair| format!("{},{},{}", pair[1][0], pair[1][1], pair[0][2]));
+    let log = folder.path().join("later.csv");
+    fs::write(&log, header.into_iter().chain(later).collect::<Vec<_>>().join("\n")).unwrap();
+    let mae_um = |log: &str, options: &[&str]| {
+        let report =
+            json(piezo().arg("validate").arg(TABLE).arg(log).args(options).args(["--told", "offset", "--json"]));
+        number(&report, "/judged/mae_um")
+    };
+    let (sound, stated) = (mae_um(OTHER_DAY, &[]), mae_um(text(&log), &["--delay", "5"]));
+    assert!((stated - sound).abs() < 0.002, "{stated}, {sound} µm");
+    let unstated = mae_um(text(&log), &[]);
+    assert!(unstated > 1.4 * sound, "{unstated}, {sound} µm");
+    refused(&["validate", TABLE, text(&log), "--delay", "1000"], &["--delay", "less than a second"]);
+}
+
 #[test]
 fn the_written_estimates_give_the_printed_errors_in_the_units_of_the_log() {
     let folder = tempfile::tempdir().unwrap();

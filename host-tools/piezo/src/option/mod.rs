@@ -37,7 +37,7 @@ pub use excitation::ExcitationArgs;
 pub use fitting::Fitting;
 pub use logs::LogOptions;
 pub use model::{asked, model_choice, models};
-pub use number::{count, factor, finite, limit, not_negative, positive, span, zero};
+pub use number::{count, delay, factor, finite, limit, not_negative, positive, span, zero};
 pub use overwrite::Overwrite;
 pub use prepare::{PrepareAgain, PrepareArgs};
 pub use rig::RigArgs;

@@ -57,12 +57,18 @@ pub fn auto_or(text: &str) -> Result<AutoOr, String> {
     }
 }
 
-/// A sensor's delay, ms, or `auto`.
-pub fn delay(text: &str) -> Result<AutoOr, String> {
-    match auto_or(text)? {
-        AutoOr::Given(ms) if ms < 0.0 => Err("a sensor cannot show what has not happened".to_owned()),
-        setting => Ok(setting),
+/// A sensor's delay, ms.
+pub fn delay(text: &str) -> Result<f64, String> {
+    match finite(text)? {
+        ms if ms < 0.0 => Err("a sensor cannot show what has not happened".to_owned()),
+        ms if ms >= 1e3 => Err("expected milliseconds, less than a second".to_owned()),
+        ms => Ok(ms),
     }
+}
+
+/// The same, or `auto`.
+pub fn delay_or_auto(text: &str) -> Result<AutoOr, String> {
+    if text == "auto" { Ok(AutoOr::Auto) } else { delay(text).map(AutoOr::Given) }
 }
 
 /// A factor that leaves something.

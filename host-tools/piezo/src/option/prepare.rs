@@ -1,7 +1,7 @@
 //! How logs are prepared.
 
 use super::choice::{Choice, choice};
-use super::number::{auto_or, delay, factor, not_negative};
+use super::number::{auto_or, delay_or_auto, factor, not_negative};
 use clap::Args;
 use recordings::prepare::{AutoOr, Decimation, PrepareOptions, Recipe};
 
@@ -29,7 +29,7 @@ pub struct PrepareArgs {
     #[arg(long, hide_short_help = true, default_value = "auto", value_parser = auto_or, allow_negative_numbers = true, value_name = "µm|auto")]
     pub displacement_zero: AutoOr,
     /// How much later the sensor shows a displacement than it happens, ms, or `auto`: what the logs tell from a lag.
-    #[arg(long, default_value = "0", value_parser = delay, allow_negative_numbers = true, value_name = "MS|auto")]
+    #[arg(long, default_value = "0", value_parser = delay_or_auto, allow_negative_numbers = true, value_name = "MS|auto")]
     pub delay: AutoOr,
     /// Largest delay that `--delay auto` takes, ms: what the sensor can have.
     #[arg(long, hide_short_help = true, default_value_t = 5.0, value_parser = not_negative, allow_negative_numbers = true)]
@@ -121,8 +121,13 @@ mod tests {
             ..PrepareOptions::default()
         };
         assert_eq!(parsed(&given).unwrap(), expected);
-        for wrong in [["--delay", "soon"], ["--voltage-scale", "0"], ["--skip-start", "-1"], ["--voltage-zero", "inf"]]
-        {
+        for wrong in [
+            ["--delay", "soon"],
+            ["--delay", "1000"],
+            ["--voltage-scale", "0"],
+            ["--skip-start", "-1"],
+            ["--voltage-zero", "inf"],
+        ] {
             assert!(parsed(&wrong).is_err(), "{wrong:?}");
         }
     }

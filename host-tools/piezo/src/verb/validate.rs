@@ -3,7 +3,7 @@
 
 use super::device::look_at;
 use super::print::out;
-use crate::option::{LogOptions, Overwrite, PrepareAgain, ScopeArgs, TOLD, choice, factor, not_negative};
+use crate::option::{LogOptions, Overwrite, PrepareAgain, ScopeArgs, TOLD, choice, delay, factor, not_negative};
 use crate::output;
 use anyhow::{Context, Result};
 use clap::Args;
@@ -44,6 +44,10 @@ pub struct Validate {
     /// in the training.
     #[arg(long, value_parser = factor, allow_negative_numbers = true)]
     pub displacement_scale: Option<f64>,
+    /// How much later the sensor shows a displacement than it happens, ms, instead of the table's: of another sensor
+    /// than in the training.
+    #[arg(long, value_parser = delay, allow_negative_numbers = true, value_name = "MS")]
+    pub delay: Option<f64>,
     /// Score nothing that is no measurement, by the rule of `identify --repair`: a value that is no number, a row that
     /// the time stamps leave out, or where the sensor leaps away and back or stands still. The voltage is run through
     /// all the same, straight past its own leaps; behind a step of the sensor alone the displacement is taken back.
@@ -74,7 +78,9 @@ pub fn run(arguments: &Validate) -> Result<bool> {
     }
     let (file, table) = look_at(&arguments.table)?;
     let displacement_scale = arguments.displacement_scale.unwrap_or(file.recipe.displacement_scale);
-    let recipe = Recipe { displacement_scale, ..arguments.prepare.instead_of(file.recipe) };
+    let delay_ticks = arguments.delay.map_or(file.recipe.delay_ticks, |ms| file.recipe.ticks_of(ms));
+    let recipe = Recipe { displacement_scale, delay_ticks, ..arguments.prepare.instead_of(file.recipe) };
+    recipe.check()?;
     let scope: Scope = (&arguments.scope).into();
     let told = arguments.told.before(scope.zero_at_s.is_some());
     let logs = arguments.files.read_all(&arguments.logs, arguments.repair)?;

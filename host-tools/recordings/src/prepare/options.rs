@@ -74,21 +74,19 @@ impl PrepareOptions {
     /// The recipe for these training logs, cut by [`PrepareOptions::cut`]. A delay to be found is 0 in it.
     pub fn resolve(&self, logs: &[impl Borrow<Log>]) -> Recipe {
         let logs: Vec<&Log> = logs.iter().map(Borrow::borrow).collect();
-        let tick_ms = f64::from(self.tick_us) * 1e-3;
         let mut recipe = Recipe {
-            tick_us: self.tick_us,
             voltage_scale: self.voltage_scale,
             displacement_scale: self.displacement_scale,
             voltage_zero_v: 0.0,
             displacement_zero_um: 0.0,
-            delay_ticks: match self.delay {
-                AutoOr::Given(ms) => (ms / tick_ms).round() as u32,
-                AutoOr::Auto => 0,
-            },
             skip_start_s: self.skip_start,
             skip_end_s: self.skip_end,
             decimation: self.decimate,
+            ..Recipe::at_tick(self.tick_us)
         };
+        if let AutoOr::Given(ms) = self.delay {
+            recipe.delay_ticks = recipe.ticks_of(ms);
+        }
         let scaled = |samples: &[f64], scale: f64| -> Vec<f64> { samples.iter().map(|x| x * scale).collect() };
         let voltages: Vec<_> = logs.iter().map(|log| scaled(&log.voltage, self.voltage_scale)).collect();
         let displacements: Vec<_> =

@@ -136,6 +136,11 @@ impl Recipe {
         rules.into_iter().find(|(_, holds)| !holds).map_or(Ok(()), |(rule, _)| Err(RecipeError(rule)))
     }
 
+    /// The nearest whole number of ticks to so many ms.
+    pub fn ticks_of(&self, ms: f64) -> u32 {
+        (ms * 1e-3 / self.tick_s()).round() as u32
+    }
+
     /// The tick's period, s.
     pub fn tick_s(&self) -> f64 {
         f64::from(self.tick_us) * 1e-6
