@@ -75,7 +75,7 @@ fn a_threshold_fails_and_impossible_wishes_are_told() {
     assert_eq!(feedforward(&["--slew", "2", "--max-error", "30"]).status.code(), Some(0));
     fs::remove_file(&voltages).unwrap();
     for (more, why) in [
-        (&[][..], "--slew"),
+        (&[][..], "--slew '<V/s>'"),
         (&["--slew", "100", "--range", "0:60"], "identified on"),
         (&["--slew", "100", "--range", "0:3", "--rest", "3.5"], "rest_v"),
         (&["--slew", "0"], "slew"),

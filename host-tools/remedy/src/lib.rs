@@ -10,6 +10,7 @@ mod log;
 mod motion;
 mod outcome_json;
 mod paste;
+mod planned;
 mod proof;
 mod stages;
 mod state;
@@ -31,6 +32,7 @@ pub use log::{cut_short, kept, of_an_estimate};
 pub use motion::moving;
 pub use outcome_json::outcome_json;
 pub use paste::{learn_from, quoted};
+pub use planned::{at_a_limit, falls_short, no_plan, no_slew};
 pub use proof::{follow_interrupted, narrow, other_range, proof, proof_interrupted, proof_kept, zero_lost};
 pub use stages::{input_stage, input_stage_json, output_stage, output_stage_json};
 pub use state::{Known, state};
@@ -46,7 +48,14 @@ use std::error::Error;
 /// of a terminal.
 pub fn sentence(error: &(dyn Error + 'static)) -> String {
     let chain = std::iter::successors(Some(error), |&error| error.source());
-    let sentence = chain.map(told).collect::<Vec<_>>().join(": ");
+    let mut said: Vec<String> = Vec::new();
+    for told in chain.map(told) {
+        // Some errors say what caused them.
+        if said.last().is_none_or(|before| !before.contains(&told)) {
+            said.push(told);
+        }
+    }
+    let sentence = said.join(": ");
     sentence.chars().map(|c| if c.is_control() && c != '\n' && c != '\t' { '?' } else { c }).collect()
 }
 
@@ -71,6 +80,19 @@ mod tests {
     use ::bench::NoModel;
     use std::path::Path;
     use table_files::TableFile;
+
+    #[test]
+    fn a_cause_that_an_error_tells_itself_is_not_told_twice() {
+        #[derive(Debug, thiserror::Error)]
+        #[error("{0}")]
+        struct Inner(&'static str);
+        #[derive(Debug, thiserror::Error)]
+        #[error("not admissible: {source}")]
+        struct Outer {
+            source: Inner,
+        }
+        assert_eq!(sentence(&Outer { source: Inner("unbounded") }), "not admissible: unbounded");
+    }
 
     #[test]
     fn no_escape_sequence_of_a_file_gets_through() {

@@ -100,7 +100,10 @@ fn fault(fault: &Fault, path: &Path) -> String {
             format!("{fault}: if it is a displacement sensor's output, state its scale{}", with(&[SENSOR]))
         }
         Fault::WrongDimension { example, .. } => {
-            format!("{fault}: correct the header, or say which is which, as in{}", columns(example))
+            format!(
+                "{fault}: where the header has the columns exchanged, or a wrong unit, correct it in the file; where it is right, the columns are{}",
+                columns(example)
+            )
         }
         Fault::NoSuchColumn { wanted, columns } => {
             format!("--columns asks for column {wanted} and the columns are {columns}: choose among these")

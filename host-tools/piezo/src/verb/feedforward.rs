@@ -5,7 +5,7 @@ use super::print::out;
 use crate::option::{LogOptions, Overwrite};
 use crate::option::{not_negative, span};
 use crate::output::Replacement;
-use ::calibration::drive::{identified_on, planned, trained_on};
+use ::calibration::drive::{planned, trained_on};
 use ::calibration::span::Span;
 use ::feedforward::{Plan, Trajectory, approach, near, plan, reach};
 use anyhow::{Context, Result};
@@ -62,28 +62,19 @@ pub fn run(arguments: &Feedforward) -> Result<bool> {
     let limits = stated(arguments, &table)?;
     let tick_s: f64 = table.sample_period();
     let wanted = Trajectory::of(&trajectory, tick_s);
-    let mut whole = approach(&table, &limits, &wanted).with_context(|| no_plan(&table, &limits))?;
+    let mut whole = approach(&table, &limits, &wanted).with_context(|| remedy::no_plan(&table, &limits))?;
     let begins = whole.len();
     whole.extend(wanted.0);
-    let plan = plan(&table, &limits, &Trajectory(whole)).with_context(|| no_plan(&table, &limits))?;
+    let plan = plan(&table, &limits, &Trajectory(whole)).with_context(|| remedy::no_plan(&table, &limits))?;
     csv_beside(&arguments.out, tick_s, &plan.voltage, &plan.displacement, Displacement::Estimated)
         .and_then(Replacement::commit)
         .with_context(|| format!("{}: cannot be written", arguments.out.display()))?;
     tell(arguments, &table, &limits, &plan, begins)
 }
 
-/// What was asked for where no voltages can be planned.
-fn no_plan(table: &Admitted, limits: &DriveLimits) -> String {
-    let (model, range) = (identified_on(table), limits.range_v);
-    format!(
-        "no voltages within {} … {} V (--range), from {} V (--rest), at {} V/s (--slew) by a model identified on {} … {} V",
-        range.min, range.max, limits.rest_v, limits.slew_v_per_s, model.min, model.max
-    )
-}
-
 fn stated(arguments: &Feedforward, table: &Admitted) -> Result<DriveLimits> {
     planned(table, arguments.range, arguments.rest, arguments.slew)
-        .context("how fast may the voltage change? --slew V/s (the table has no drive that says it)")
+        .with_context(|| remedy::no_slew(&arguments.trajectory))
 }
 
 fn tell(arguments: &Feedforward, table: &Admitted, limits: &DriveLimits, plan: &Plan, begins: usize) -> Result<bool> {
@@ -141,22 +132,10 @@ fn tell(arguments: &Feedforward, table: &Admitted, limits: &DriveLimits, plan: &
     }
     caveats(table, limits).iter().chain(&beyond_training(table, plan)).for_each(|line| out(line));
     if plan.out_of_reach > 0 {
-        out(&format!(
-            "On {} of {} ticks the voltage or its slew rate stood at a limit ({} … {} V, {} V/s)",
-            plan.out_of_reach,
-            plan.voltage.len(),
-            limits.range_v.min,
-            limits.range_v.max,
-            limits.slew_v_per_s
-        ));
+        out(&remedy::at_a_limit(plan.out_of_reach, plan.voltage.len(), limits));
     }
     if let Some(short) = short {
-        out(&format!(
-            "FAILED: from {:.3} s on it falls short by up to {:.4} µm, for the voltage or its slew rate stands at a limit: ask for \
-             less or more slowly, widen --range or --slew where the amplifier stands it, or say what is allowed by --max-error",
-            short.tick as f64 * tick_s,
-            short.most_um
-        ));
+        out(&remedy::falls_short(short.tick as f64 * tick_s, short.most_um));
     }
     if let (false, Some(most), Some(_)) = (good, arguments.max_error, met) {
         out(&format!("FAILED: more than {most} µm off"));

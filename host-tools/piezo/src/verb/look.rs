@@ -40,7 +40,8 @@ pub fn run(arguments: &Look) -> Result<bool> {
         let why = if svg { "holds the picture of one log: name" } else { "the picture is SVG: name an .svg file, or" };
         ensure!(page || svg && arguments.logs.len() == 1, "{}: {why} an .html file", path.display());
     }
-    let (mut pictures, mut surveys, mut tried, mut flawed, mut unread) = (vec![], vec![], vec![], false, 0);
+    let (mut pictures, mut surveys, mut tried) = (vec![], vec![], vec![]);
+    let (mut flawed, mut doubtful, mut unread) = (false, false, 0);
     for path in &arguments.logs {
         let (found, refusal) = match looked_at(path, arguments) {
             Err(error) if arguments.logs.len() > 1 => {
@@ -53,6 +54,7 @@ pub fn run(arguments: &Look) -> Result<bool> {
             looked_at => looked_at?,
         };
         flawed |= found.rows_without_a_number > 0 || found.flaws.iter().flatten().any(|of| of.worst.repairable());
+        doubtful |= found.implausible.is_some() || found.ahead.is_some();
         let complete = refusal.is_none() && found.voltage.is_some();
         let learnable = complete.then(|| remedy::learnable(path, &arguments.files.options(), &found));
         flawed |= learnable.as_ref().is_some_and(|of| matches!(of, Learnable::Repaired(_)));
@@ -82,7 +84,8 @@ pub fn run(arguments: &Look) -> Result<bool> {
     }
     let tried: Option<Vec<_>> = tried.into_iter().collect();
     if !arguments.json && tried.is_some_and(|logs| remedy::all_learnable(&logs)) {
-        out(&format!("\nNext:\n    {}", remedy::learn_from(&arguments.logs, flawed)));
+        let after = if doubtful { ", once what is doubtful is settled" } else { "" };
+        out(&format!("\nNext{after}:\n    {}", remedy::learn_from(&arguments.logs, flawed)));
     }
     Ok(true)
 }
