@@ -3,8 +3,8 @@
 
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 use parameter_store::{RamFlash, RamFlashError};
-use std::fs::{File, Metadata, OpenOptions};
-use std::io::{self, ErrorKind, Seek, SeekFrom, Write};
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// A flash in a file.
@@ -23,20 +23,32 @@ pub struct FileFlashError {
 }
 
 impl FileFlash {
-    /// The flash that a file holds; where there is none, one with this in it.
+    /// The flash that a file holds; where there is none, or nothing in it, one with this in it.
     ///
     /// # Errors
-    /// The file cannot be read or written, or is of another length.
+    /// The file cannot be read or written, is of another length, or is another device's flash now.
     pub fn open(path: &Path, new: &[u8]) -> Result<Self, FileFlashError> {
         let open = || {
-            let (held, is_new) = match std::fs::metadata(path) {
-                Err(error) if error.kind() == ErrorKind::NotFound => (new.to_vec(), true),
-                // A pipe would be waited for, and some devices never end.
-                there => (held(&there?, path, new.len())?, false),
-            };
-            let mut file = OpenOptions::new().write(true).create(true).truncate(false).open(path)?;
-            if is_new {
-                file.write_all(&held)?;
+            // A pipe would be waited for, and some devices never end.
+            if std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
+                return Err(io::Error::new(ErrorKind::InvalidData, "it is no regular file"));
+            }
+            let mut file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path)?;
+            // Where a file system knows no locks, nobody is kept from it.
+            if let Err(TryLockError::WouldBlock) = file.try_lock() {
+                return Err(io::Error::new(ErrorKind::ResourceBusy, "another emulated device has it as its flash"));
+            }
+            let mut held = Vec::new();
+            match file.metadata()?.len() {
+                0 => {
+                    file.write_all(new)?;
+                    held.extend_from_slice(new);
+                }
+                length if length == new.len() as u64 => _ = file.read_to_end(&mut held)?,
+                length => {
+                    let why = format!("it has {length} bytes, the device's flash has {}", new.len());
+                    return Err(io::Error::new(ErrorKind::InvalidData, why));
+                }
             }
             Ok(Self { memory: RamFlash::new(held), file })
         };
@@ -47,18 +59,6 @@ impl FileFlash {
         let kept = self.file.seek(SeekFrom::Start(offset.into())).and_then(|_| self.file.write_all(bytes));
         kept.map_err(|_| FlashError::File)
     }
-}
-
-/// What a file of the flash's length holds.
-fn held(there: &Metadata, path: &Path, length: usize) -> io::Result<Vec<u8>> {
-    let refused = |why| Err(io::Error::new(ErrorKind::InvalidData, why));
-    if !there.is_file() {
-        return refused("it is no regular file".to_owned());
-    }
-    if there.len() != length as u64 {
-        return refused(format!("it has {} bytes, the device's flash has {length}", there.len()));
-    }
-    std::fs::read(path)
 }
 
 /// What the flash refuses.
@@ -133,12 +133,15 @@ mod tests {
             flash.erase(0, 2048).await.unwrap();
             assert_eq!(flash.write(2048, &[3; 8]).await, Err(FlashError::Rules(RamFlashError::NotErased)));
         });
+        let shared = FileFlash::open(&path, &new).unwrap_err();
+        assert!(shared.source.to_string().contains("another emulated device"), "{shared:?}");
         drop(flash);
         let mut flash = FileFlash::open(&path, &new).unwrap();
         let mut held = vec![0; 4096];
         block_on(flash.read(0, &mut held)).unwrap();
         let mut expected = new.clone();
         expected[2048..2064].fill(1);
+        drop(flash);
         assert!(held == expected && std::fs::read(&path).unwrap() == expected);
         std::fs::write(&path, "short").unwrap();
         let refused = FileFlash::open(&path, &new).unwrap_err();

@@ -275,12 +275,16 @@ const PLACEHOLDER: &str = "'<LOG>'";
 
 fn table(error: &TableFileError) -> String {
     const WANTED: &str = "name the table.toml that `identify` or `emit` wrote";
+    const LEARNT: &str = "model/table.toml";
     match error {
         TableFileError::Unreadable { path, error } => {
-            let path = path.display();
+            let (directory, path) = (path, path.display());
             match error.kind() {
                 ErrorKind::NotFound => format!("{path}: no such file: {WANTED}"),
-                ErrorKind::IsADirectory => format!("{path}: is a directory: {WANTED} into it"),
+                ErrorKind::IsADirectory => match directory.join(LEARNT).is_file() {
+                    true => format!("{path}: is a directory: name {path}/{LEARNT}, which `learn` wrote"),
+                    false => format!("{path}: is a directory: {WANTED} into it"),
+                },
                 ErrorKind::InvalidData => format!("{path}: is not text: {WANTED}"),
                 ErrorKind::InvalidInput | ErrorKind::FileTooLarge => {
                     format!("{path}: cannot be read ({error}): {WANTED}")
