@@ -179,6 +179,10 @@ fn several_logs_stand_in_one_file_each_by_its_name() {
             "{line} is missing, or in its wrong place, in {people}"
         );
     }
+    let zeroed = piezo().args(["validate", TABLE, OTHER_DAY, "--zero-at", "24"]).assert().success();
+    let zeroed = String::from_utf8(zeroed.get_output().stdout.clone()).unwrap();
+    assert!(zeroed.contains("\n  f32, cold ") && zeroed.contains("told nothing, since the zero"), "{zeroed}");
+    assert!(!zeroed.contains("(SIL) ") && !zeroed.contains("told the sensor's first reading"), "{zeroed}");
 }
 
 #[test]

@@ -239,7 +239,7 @@ fn searches(job: &Job, models: &[Model]) -> Vec<Vec<Model>> {
 /// Errors on both parts; `None` without a log in one of them.
 fn errors(candidate: &Candidate) -> Option<Errors> {
     let part = |comparisons: &[Comparison], all: Option<Figures>| -> Option<Part> {
-        let logs = comparisons.iter().map(|log| LogErrors { log: log.name.clone(), errors: log.mil }).collect();
+        let logs = comparisons.iter().map(|log| LogErrors { log: log.name.clone(), errors: log.figures() }).collect();
         Some(Part { logs, all: all? })
     };
     Some(Errors {

@@ -5,13 +5,15 @@ use crate::micrometres::Micrometres;
 use identification::validate::{Coverage, Evidence, Since, Suspicion, Told};
 
 /// What the lines of a validation are.
-const EXPLAINED: &str = "\
-Simulation from each log's first sample, by the f64 reference (MIL) and the f32 core of the target (SIL).
-MIL, SIL         told the sensor's first reading, which the model starts from; a constant that the sensor is off by stays
+const SIMULATED: &str =
+    "Simulation from each log's first sample, by the f64 reference (MIL) and the f32 core of the target (SIL).";
+const FIRST_READING: &str = "MIL, SIL         told the sensor's first reading, which the model starts from; a constant that the sensor is off by stays";
+const OTHERS: &str = "\
 cold             told nothing, as a device that is switched on: at rest for long at the first voltage
 settled          the same from where reversals lie half of the table's voltage range apart
-one cycle        cold; its mean error over the voltage's first full cycle is taken off, what follows is scored
-no offset        cold; its own mean error over all that is scored is taken off, which no device knows beforehand";
+one cycle        cold; its mean error over a full cycle, the second one where enough follows it, is taken off; what follows is scored
+no offset        cold; its own mean error over all that is scored is taken off, which no device knows beforehand
+MAE, no offset   in each row, without the constant that leaves the least: the median error; RMS, no offset without the mean";
 
 /// What the lines of a validation are, and, where it is zeroed, from when on it is scored.
 pub fn explained(zero_at_s: Option<f64>, told: Told) -> Vec<String> {
@@ -20,8 +22,15 @@ pub fn explained(zero_at_s: Option<f64>, told: Told) -> Vec<String> {
             "Zeroed at {at} s: the mean error of the 50 ms up to there is taken off; what follows is scored, {told}."
         )
     };
-    [EXPLAINED.to_owned()].into_iter().chain(zero_at_s.map(zeroed)).collect()
+    // A device that is zeroed while it runs was told no first reading.
+    let first_reading = zero_at_s.is_none().then(|| FIRST_READING.to_owned());
+    let head = std::iter::once(SIMULATED.to_owned()).chain(first_reading);
+    head.chain([OTHERS.to_owned()]).chain(zero_at_s.map(zeroed)).collect()
 }
+
+/// Why an estimate may be off that was zeroed before it had settled.
+const UNSETTLED: &str = "it was zeroed before it had settled (NOT_SETTLED), and each larger swing then shows more of the memory that \
+                         nobody knew at its start; a zero after a swing over half of the table's voltage range has that behind it. Else: ";
 
 /// That a threshold was exceeded: the mean absolute error that is judged, µm and % of the stroke, and the most of each
 /// that was allowed.
@@ -60,14 +69,15 @@ pub fn suspicion(suspicion: &Suspicion) -> String {
             Micrometres(*mae_um),
             Micrometres(*without_um)
         ),
-        Suspicion::Narrow { since, held_percent, in_motion } => format!(
-            "the ±{} holds the sensor {held_percent:.1} % of the time, and says 95 % over many recordings: is something else here than in the \
+        Suspicion::Narrow { since, held_percent, in_motion, unsettled } => format!(
+            "the ±{} holds the sensor {held_percent:.1} % of the time, and says 95 % over many recordings: {}is something else here than in the \
              training, the load, the temperature, the sensor's zero, scale or mount? If not, learn from this log, too: `piezo identify` takes several{}",
             match since {
                 Since::Zero => " since the zero",
                 Since::OneCycle => ", told one cycle,",
                 Since::Either => "",
             },
+            if *unsettled { UNSETTLED } else { "" },
             match (in_motion, since) {
                 (false, _) => String::new(),
                 (true, Since::Zero) =>

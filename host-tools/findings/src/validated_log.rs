@@ -41,11 +41,13 @@ impl Repair {
     }
 }
 
-/// The figures of a log, or of all, under its name.
-pub fn rows(name: &str, mil: &Figures, told: &ToldFigures, settled: Option<&Figures>) -> Vec<String> {
+/// The figures of a log, or of all, under its name; where it is `zeroed` without those of an estimator that was told
+/// the first reading, since no device that is zeroed later was.
+pub fn rows(name: &str, mil: &Figures, told: &ToldFigures, settled: Option<&Figures>, zeroed: bool) -> Vec<String> {
+    let first_reading = |figures| Some(figures).filter(|_| !zeroed);
     let lines = [
-        ("  f64 (MIL)", Some(mil)),
-        ("  f32 (SIL)", Some(&told.first_reading)),
+        ("  f64 (MIL)", first_reading(mil)),
+        ("  f32 (SIL)", first_reading(&told.first_reading)),
         ("  f32, cold", Some(&told.nothing)),
         ("  f32, settled", settled),
         ("  f32, one cycle", told.one_cycle.as_ref()),
@@ -144,7 +146,8 @@ pub fn of_log(
         );
     }
     said.extend(Some(remarks(&comparison.raised)).filter(|remarks| !remarks.is_empty()));
-    let mut lines = rows(&comparison.name, &comparison.mil, &comparison.told, cold.settled.as_ref());
+    let zeroed = comparison.zeroed_um.is_some();
+    let mut lines = rows(&comparison.name, &comparison.mil, &comparison.told, cold.settled.as_ref(), zeroed);
     lines.extend(said.iter().map(|said| format!("    {said}")));
     lines
 }

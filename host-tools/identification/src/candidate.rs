@@ -54,8 +54,8 @@ pub struct TableContext {
 const ROUNDING: f64 = 1e-3;
 
 impl Candidate {
-    /// By how much the displacement is behind the voltage, delay and lag together, s; 0 of models that have neither, or
-    /// look ahead.
+    /// By how much the displacement is behind the voltage, delay and lag together, s; 0 of models that
+    /// have neither, or look ahead.
     pub fn late_s(&self) -> f64 {
         let parameters = &self.table.parameters;
         f64::from(parameters.delay_ticks()) * self.table.sample_period::<f64>() + f64::from(parameters.lag_s().max(0.0))
@@ -102,29 +102,29 @@ impl Candidate {
         Ok(Self { table: Table { interval, ..*self.table }.admit()?, ..self })
     }
 
-    /// Reference errors over all training logs.
+    /// Reference errors over all training logs ([`Comparison::figures`]).
     pub fn training_figures(&self) -> Option<Figures> {
-        Figures::all(self.training.iter().map(|comparison| &comparison.mil))
+        figures(&self.training)
     }
 
     /// Mean error over all training logs, each without its offset ([`Comparison::from_its_start`]), µm.
     pub fn training_off_um(&self) -> Option<f64> {
-        off_um(&self.training)
+        Some(self.training_figures()?.mae_without_offset_um)
     }
 
     /// The same over all that was held out.
     pub fn held_out_off_um(&self) -> Option<f64> {
-        off_um(&self.held_out)
+        Some(self.held_out_figures()?.mae_without_offset_um)
     }
 
-    /// Reference errors over all that was held out.
+    /// Reference errors over all that was held out, likewise.
     pub fn held_out_figures(&self) -> Option<Figures> {
-        Figures::all(self.held_out.iter().map(|comparison| &comparison.mil))
+        figures(&self.held_out)
     }
 }
 
-fn off_um(logs: &[Comparison]) -> Option<f64> {
-    Some(Figures::all(logs.iter().map(Comparison::from_its_start))?.mae_without_offset_um)
+fn figures(logs: &[Comparison]) -> Option<Figures> {
+    Figures::all(logs.iter().map(Comparison::figures).collect::<Vec<_>>().iter())
 }
 
 fn table(problem: &Problem, parameters: Parameters, context: &TableContext) -> Result<Table, CandidateError> {

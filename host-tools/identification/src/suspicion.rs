@@ -67,7 +67,7 @@ pub fn doubts(
             doubts.push(Doubt::Diverges { fed_um, simulation_um });
         }
     }
-    doubts.extend(poor(candidate.training.iter().map(|log| (&*log.name, log.mil))));
+    doubts.extend(poor(candidate.training.iter().map(|log| (&*log.name, log.figures()))));
     let off_um = judged.training_off_um().zip(judged.held_out_off_um());
     match (judged.training_figures(), judged.held_out_figures(), off_um) {
         (Some(training), Some(held_out), Some((training_um, held_out_um))) => {

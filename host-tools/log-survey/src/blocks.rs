@@ -102,3 +102,21 @@ pub(crate) struct BlocksView<'a> {
     pub blocks: &'a [Block],
     pub rows_a_block: u64,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_at_rest_are_counted_in_whole_blocks_however_many_rows_one_has() {
+        let stands = |rest: u64, rows: u64| {
+            let mut blocks = Blocks::default();
+            (0..rows).for_each(|row| blocks.add(if row < rest { 1.0 } else { 2.0 }, 0.0));
+            (blocks.rows_a_block(), blocks.rows_at_rest(0.5))
+        };
+        assert_eq!(stands(0, 0), (1, 0));
+        assert_eq!(stands(10, 100), (1, 9));
+        assert_eq!(stands(1_001, 600_000), (4, 999), "of the block with row 1,001 nobody knows");
+        assert_eq!(stands(600_000, 600_000), (4, 599_999));
+    }
+}

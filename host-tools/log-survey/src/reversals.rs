@@ -25,14 +25,33 @@ pub fn reversals(voltage: &[f64], deadband: f64) -> Vec<usize> {
 /// quarter of the voltage's span; `None` where there is none. A cycle that spans less than `least` (V) is noise or
 /// ripple, and none.
 pub fn first_cycle(voltage: &[f64], least: f64) -> Option<Range<usize>> {
-    let span = |part: &[f64]| Span::of_values(part.iter().copied()).span();
     let turns = reversals(voltage, LARGE * span(voltage).max(least));
     turns.windows(3).map(|turns| turns[0]..turns[2]).find(|cycle| span(&voltage[cycle.clone()]) >= least)
+}
+
+/// The samples of a log's first two full cycles, as of [`first_cycle`], the second one first: it begins after a swing
+/// from one reversal to the next, which wipes out what the log began with.
+pub fn early_cycles(voltage: &[f64]) -> impl Iterator<Item = Range<usize>> {
+    let turns = reversals(voltage, LARGE * span(voltage));
+    let cycles: Vec<Range<usize>> = turns.windows(3).take(2).map(|turns| turns[0]..turns[2]).collect();
+    cycles.into_iter().rev()
+}
+
+fn span(voltage: &[f64]) -> f64 {
+    Span::of_values(voltage.iter().copied()).span()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn of_two_cycles_the_one_that_begins_after_a_swing_comes_first() {
+        let voltage: Vec<f64> = (0..=600).map(|k| (f64::from(k) * std::f64::consts::TAU / 200.0).sin()).collect();
+        assert!(early_cycles(&voltage).eq([150..350, 50..250]));
+        let few = |samples: usize| early_cycles(&voltage[..samples]).collect::<Vec<_>>();
+        assert_eq!((few(300).first(), few(300).len(), few(200).len()), (Some(&(50..250)), 1, 0), "three reversals");
+    }
 
     #[test]
     fn noise_and_ripple_make_no_cycle() {

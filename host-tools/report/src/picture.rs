@@ -32,7 +32,8 @@ pub fn picture(comparison: &Comparison, title: &str, zeroed: Option<&Zeroed>) ->
     }
     let mut drawing = Drawing::new(900.0, 430.0, 14.0);
     drawing.heading((14.0, 30.0), title);
-    let errors = rows::mean_and_largest(&comparison.mil);
+    let errors = zeroed.and_then(|_| rows::without_constant(comparison));
+    let errors = errors.unwrap_or_else(|| rows::mean_and_largest(&comparison.mil));
     drawing.text((14.0, 53.0), "start", &errors);
 
     loops::draw_in(&mut drawing, Frame { left: 58.0, top: 92.0, width: 352.0, height: 290.0 }, trace, LIMIT);

@@ -80,6 +80,18 @@ pub fn mean_and_largest(figures: &Figures) -> String {
     format!("Mean error {mean}{}, largest {largest}", of_stroke.unwrap_or_default())
 }
 
+/// An error of which less than this part is left without its constant offset is mostly that.
+const CONSTANT: f64 = 0.5;
+
+/// A log's mean error without a constant offset, in words; `None` where most of it is no constant.
+pub fn without_constant(log: &Comparison) -> Option<String> {
+    let figures = log.figures();
+    let of_stroke = percent(figures.mae_without_offset_percent).map(|percent| format!(" ({percent} of stroke)"));
+    let (mean, offset) = (quantity(figures.mae_without_offset_um, "µm"), quantity(figures.offset_um, "µm"));
+    (figures.mae_without_offset_um < CONSTANT * figures.mae_um)
+        .then(|| format!("Mean error {mean}{}, without a constant offset of {offset}", of_stroke.unwrap_or_default()))
+}
+
 /// A log's errors in a sentence.
 pub fn sentence(log: &Comparison) -> String {
     let mut words = mean_and_largest(&log.mil);

@@ -174,6 +174,18 @@ fn figures_tables_and_words_are_there() {
     assert!(order.iter().chain(&then).map(|words| first(words)).is_sorted());
 }
 
+#[test]
+fn an_error_that_is_a_constant_is_told_without_it() {
+    let mut shifted = log("shifted", 400, |_| 4.0);
+    assert!(rows::without_constant(&shifted).is_some());
+    let nothing = &mut shifted.mil;
+    (nothing.offset_um, nothing.mae_without_offset_um, nothing.mae_without_offset_percent) = (4.0, 0.02, 0.25);
+    let said = rows::without_constant(&shifted).unwrap().replace('\u{a0}', " ");
+    assert_eq!(said, "Mean error 0.0200 µm (0.250 % of stroke), without a constant offset of 4.00 µm");
+    shifted.mil.mae_without_offset_um = 3.0;
+    assert_eq!(rows::without_constant(&shifted), None);
+}
+
 /// One a log that is drawn over time, and one each for branches, coverage, convergence and residuals; the loops are
 /// a log's, too.
 #[test]

@@ -23,7 +23,7 @@ pub struct Cold {
     pub all: Figures,
     /// From where it counts as settled ([`Status::NOT_SETTLED`]); `None` where it never does.
     pub settled: Option<Figures>,
-    /// When that is, s from the first sample.
+    /// When that is, s since the log's first sample.
     pub settled_after_s: Option<f64>,
 }
 
@@ -41,7 +41,7 @@ pub struct Comparison {
     /// How the interval of the f32 core did, told the first reading and relative to that, or told nothing and relative
     /// to the zero where there is one; `None` where the table has no interval, or the zero comes too soon.
     pub interval: Option<Coverage>,
-    /// The same once the mean over the voltage's first full cycle was told ([`Told::OneCycle`]), over what follows;
+    /// The same once the mean over a full cycle was told ([`Told::OneCycle`]), over what follows;
     /// `None` where the table has no interval, or the voltage makes no cycle.
     pub interval_one_cycle: Option<Coverage>,
     /// The f32 core told nothing.
@@ -69,6 +69,20 @@ impl Comparison {
         let less = nothing.rmse_without_offset_um < LESS * mil.rmse_without_offset_um;
         let shifted = nothing.offset_um.abs() > nothing.rmse_without_offset_um;
         if less && shifted { nothing } else { mil }
+    }
+
+    /// The reference's errors, told the first reading; the offset, and the errors without it, are of the run that
+    /// [`from_its_start`](Self::from_its_start) takes.
+    pub fn figures(&self) -> Figures {
+        let off = self.from_its_start();
+        Figures {
+            offset_um: off.offset_um,
+            mae_without_offset_um: off.mae_without_offset_um,
+            rmse_without_offset_um: off.rmse_without_offset_um,
+            mae_without_offset_percent: off.mae_without_offset_percent,
+            rmse_without_offset_percent: off.rmse_without_offset_percent,
+            ..self.mil
+        }
     }
 }
 
@@ -148,6 +162,53 @@ fn cold(session: &Session, part: &Part, run: &Run) -> Cold {
     Cold {
         all: figures(part),
         settled: scored.map(|scored| figures(&Part { scored, ..part.clone() })),
-        settled_after_s: settled.map(|from| f64::from(session.instants[1..][from]) * session.tick_s),
+        settled_after_s: settled.map(|from| time_s(session, session.instants[1..][from])),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Errors of a stroke of 10 µm, one of three by so much larger.
+    fn off(constant_um: f64, spread_um: f64) -> Figures {
+        Figures::of(&[constant_um, constant_um + spread_um, 10.0 + constant_um], &[0.0, 0.0, 10.0], 10.0)
+    }
+
+    #[test]
+    fn errors_without_offset_are_of_the_start_that_another_zero_spoils_least() {
+        let of = |mil: Figures, nothing: Figures| {
+            let told = ToldFigures { nothing, first_reading: mil, one_cycle: None, offset: nothing };
+            let cold = Cold { all: nothing, settled: None, settled_after_s: None };
+            let (name, raised, trace) = (String::new(), Vec::new(), Trace::default());
+            let (sil, status, scored_s, zeroed_um) = (mil, Status::empty(), (0.0, 1.0), None);
+            let (interval, interval_one_cycle, mil_sil_um) = (None, None, 0.0);
+            let judged = Comparison {
+                name,
+                mil,
+                sil,
+                mil_sil_um,
+                interval,
+                interval_one_cycle,
+                cold,
+                told,
+                scored_s,
+                zeroed_um,
+                status,
+                raised,
+                trace,
+            };
+            judged.figures()
+        };
+        let (spoilt, nothing) = (off(0.1, 0.9), off(5.0, 0.3));
+        let figures = of(spoilt, nothing);
+        let without = |of: Figures| {
+            let um = (of.offset_um, of.mae_without_offset_um, of.rmse_without_offset_um);
+            (um, of.mae_without_offset_percent, of.rmse_without_offset_percent)
+        };
+        assert_eq!(without(figures), without(nothing));
+        assert_eq!((figures.mae_um, figures.max_um), (spoilt.mae_um, spoilt.max_um), "as told the first reading");
+        assert_eq!(without(of(off(0.1, 0.31), nothing)), without(off(0.1, 0.31)), "not clearly less");
+        assert_eq!(without(of(spoilt, off(0.1, 0.3))), without(spoilt), "no other zero");
     }
 }

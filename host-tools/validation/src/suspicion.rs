@@ -35,6 +35,8 @@ pub enum Suspicion {
         held_percent: f64,
         /// The log begins in motion: what the actuator creeps from is in no interval.
         in_motion: bool,
+        /// It was zeroed before it had settled: of what its start left open a larger swing shows more.
+        unsettled: bool,
     },
 }
 
@@ -126,7 +128,10 @@ impl Suspicion {
         let (since, coverage) = asked(told, scope.zero_at_s.is_some(), interval, interval_one_cycle);
         let held_percent = coverage?.covered_percent;
         let in_motion = begins_in_motion(&comparison.trace.time_s, &comparison.trace.voltage);
-        (held_percent < NARROW).then_some(Self::Narrow { since, held_percent, in_motion })
+        let settled_s = comparison.cold.settled_after_s;
+        let early = |zero_s: f64| settled_s.is_none_or(|settled_s| settled_s > zero_s);
+        let unsettled = since == Since::Zero && scope.zero_at_s.is_some_and(early);
+        (held_percent < NARROW).then_some(Self::Narrow { since, held_percent, in_motion, unsettled })
     }
 }
 

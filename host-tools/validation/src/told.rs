@@ -3,19 +3,20 @@
 //!
 //! - nothing: it takes the actuator to have rested at the first voltage, as a device does that is switched on;
 //! - the sensor's first reading, from which it goes on;
-//! - one cycle: beside a sensor, or between known stops, over the first full cycle of the voltage; the mean error there
+//! - one cycle: beside a sensor, or between known stops, over a full cycle of the voltage; the mean error there
 //!   is taken off from then on, and what follows is scored;
 //! - the offset: the mean error over what is scored is taken off. No device knows it: a bound on what zeroing can do.
 //!
-//! A full cycle is what lies between the first and the third reversal of the voltage, a retreat by a quarter of its
-//! span within what is scored.
+//! A full cycle is what lies between the second and the fourth reversal of the voltage, each a retreat by a quarter of
+//! its span within what is scored: the swing before it wipes out what lies within its span of an unknown start. Where
+//! less than half a cycle follows, it lies between the first and the third.
 
 use crate::coverage::Coverage;
 use crate::figures::Figures;
 use crate::run::Run;
 use crate::scope::{FEWEST, Part, ScopeError};
 use crate::statistics::mean;
-use log_survey::reversals::first_cycle;
+use log_survey::reversals::early_cycles;
 use recordings::session::Session;
 use serde::Serialize;
 use std::fmt;
@@ -207,17 +208,19 @@ pub(crate) fn stroke(session: &Session, part: &Range<usize>) -> f64 {
 /// Measured instants for which a log may show how it began.
 const SEEN: usize = 3;
 
-/// The measured instants of the first full cycle within a part; `None` where there is none, or next to
-/// nothing after it.
+/// The measured instants of the full cycle within a part that is told; `None` where there is none, or
+/// next to nothing after it.
 fn cycle(session: &Session, part: &Range<usize>) -> Option<Range<usize>> {
     let instants = session.instants.get(1..)?;
     let first = instants.get(part.start).copied()? as usize;
     let last = instants.get(part.end.checked_sub(1)?).copied()? as usize;
     let voltage = session.voltage.get(first..=last)?;
-    let turns = first_cycle(voltage, 0.0)?;
     let at = |turn: usize| instants.partition_point(|&instant| (instant as usize) < first + turn);
-    let cycle = at(turns.start)..at(turns.end);
-    (!cycle.is_empty() && part.end.saturating_sub(cycle.end) >= FEWEST).then_some(cycle)
+    let mut cycles = early_cycles(voltage).map(|turns| at(turns.start)..at(turns.end));
+    let left = |cycle: &Range<usize>| part.end.saturating_sub(cycle.end);
+    let later = cycles.next()?;
+    let told = if 2 * left(&later) >= later.len() { later } else { cycles.next().unwrap_or(later) };
+    (!told.is_empty() && left(&told) >= FEWEST).then_some(told)
 }
 
 #[cfg(test)]
@@ -241,20 +244,22 @@ mod tests {
     }
 
     #[test]
-    fn a_cycle_lies_between_the_first_and_the_third_reversal() {
+    fn a_cycle_lies_between_the_second_and_the_fourth_reversal_where_enough_follows() {
         let found = cycle(&session(), &(0..600)).unwrap();
-        // Tops at 0.25 and 1.25 s; index 0 is the instant at 5 ms.
-        assert_eq!(found, 49..249);
-        // The first reversal after 0.5 s is the bottom at 0.75 s.
-        assert_eq!(cycle(&session(), &(100..600)).unwrap(), 149..349);
-        assert_eq!(cycle(&session(), &(0..250)), None, "there is next to nothing after it");
+        // Bottoms at 0.75 and 1.75 s; index 0 is the instant at 5 ms.
+        assert_eq!(found, 149..349);
+        // The second reversal after 0.5 s is the top at 1.25 s.
+        assert_eq!(cycle(&session(), &(100..600)).unwrap(), 249..449);
+        assert_eq!(cycle(&session(), &(0..449)).unwrap(), 149..349, "half a cycle follows the second");
+        assert_eq!(cycle(&session(), &(0..448)).unwrap(), 49..249, "less follows the second");
+        assert_eq!(cycle(&session(), &(0..250)), None, "there is no third reversal");
     }
 
     #[test]
     fn a_constant_is_gone_once_it_is_told() {
         let session = session();
         let part = Scope::ALL.part(&session).unwrap();
-        let off = run(&session, |k| if k < 249 { 0.5 } else { 0.75 });
+        let off = run(&session, |k| if k < 349 { 0.5 } else { 0.75 });
         let figures = ToldFigures::of(&session, &part, &off, &off);
         assert!((figures.one_cycle.unwrap().mae_um - 0.25).abs() < 1e-12);
         assert!(figures.nothing.mae_um > 0.5 && figures.offset.mae_um < 0.13);

@@ -118,10 +118,9 @@ fn a_sensor_whose_zero_is_another_on_what_is_held_out_makes_no_model_worse() {
         job.held_out = job.held_out.into_iter().map(moved).collect();
         let outcome = job.run(&mut |_, _| ()).unwrap();
         let far = outcome.doubts.iter().any(|doubt| matches!(doubt, Doubt::HeldOutFar { .. }));
-        let [told, off_um] = [
-            outcome.judged().held_out_figures().unwrap().mae_without_offset_um,
-            outcome.judged().held_out_off_um().unwrap(),
-        ];
+        let held_out = &outcome.judged().held_out;
+        let told = held_out.iter().map(|log| log.mil.mae_without_offset_um).sum::<f64>() / held_out.len() as f64;
+        let off_um = outcome.judged().held_out_off_um().unwrap();
         (told, off_um, far)
     };
     let (_, right, _) = off(0.0);

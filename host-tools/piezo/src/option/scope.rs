@@ -34,7 +34,7 @@ pub const TOLD: [Choice<Told>; 4] = [
     (
         Told::OneCycle,
         Told::OneCycle.name(),
-        "The mean error over the voltage's first full cycle, taken off from then on; what follows is scored",
+        "The mean error over a full cycle, the second where enough follows it, taken off from then on; what follows is scored",
     ),
     (Told::Offset, Told::Offset.name(), "The mean error of what is scored, taken off: a bound on what zeroing can do"),
 ];

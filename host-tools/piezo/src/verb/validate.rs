@@ -138,7 +138,7 @@ pub fn run(arguments: &Validate) -> Result<bool> {
         of_log(comparison, log, trained_on.as_ref(), &scope, *repair).iter().for_each(|line| out(line));
     }
     if comparisons.len() > 1 {
-        rows("all", &mil, &all, None).iter().for_each(|line| out(line));
+        rows("all", &mil, &all, None, scope.zero_at_s.is_some()).iter().for_each(|line| out(line));
     }
     if let Some(path) = &arguments.out {
         out(&format!("\nWritten: {} (f32, {})", path.display(), told));

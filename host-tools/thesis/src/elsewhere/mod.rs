@@ -131,7 +131,7 @@ fn notes(rows: &[Row], bench: &Bench) -> Vec<String> {
             "Each search tries {of_a_number} candidates a number, of the Voigt family {of_voigt} in all; what a longer one would \
              find this does not tell."
         ),
-        "Told nothing: at rest for long at the first voltage. One cycle: the mean error over the voltage's first full cycle is \
+        "Told nothing: at rest for long at the first voltage. One cycle: the mean error over a full cycle, the second where enough follows it, is \
          taken off, what follows is scored. Without offset: the mean error is taken off, which no device knows."
             .to_owned(),
         "Best: the least median without offset. *: different from it by a paired bootstrap over recordings and blocks of \
