@@ -80,6 +80,38 @@ fn a_sensor_that_hums_with_the_mains_is_a_doubt_and_one_that_is_loud_is_none() {
 }
 
 #[test]
+fn look_names_a_hum_and_how_a_log_begins_and_estimate_says_where_that_is_in_motion() {
+    let folder = tempfile::tempdir().unwrap();
+    let hum = |k: u32| 0.05 * (std::f64::consts::TAU * 49.9 * f64::from(k) * 0.005).sin();
+    let of = |name: &str, time: fn(u32) -> u32, hums: bool| {
+        let read = move |k| 12.0 * sine(time(k)) / 40.0 + 0.005 * noise(k) + if hums { hum(k) } else { 0.0 };
+        log(folder.path(), name, COLUMNS, 4000, |k| (3.6 * sine(time(k)) / 40.0, read(k)))
+    };
+    let (moving, rested) = (of("moving.csv", |k| k + 50, true), of("rested.csv", |k| k.saturating_sub(400), false));
+    let said = |words: &[&str]| {
+        let output = piezo().args(words).assert().success();
+        String::from_utf8(output.get_output().stdout.clone()).unwrap()
+    };
+    let (moves, rests) = (said(&["look", text(&moving)]), said(&["look", text(&rested)]));
+    assert!(moves.contains("with a voltage that moves at once") && moves.contains(" µm at 50 Hz beyond"), "{moves}");
+    assert!(rests.contains("with a voltage that stands for 2") && !rests.contains("hum "), "{rests}");
+    let estimated = |log: &Path| {
+        let out = log.with_extension("estimates");
+        said(&[
+            "estimate",
+            "tests/data/table/models/generalised-prandtl-ishlinskii.toml",
+            text(log),
+            "--zero-at",
+            "5:-90",
+            "--out",
+            text(&out),
+        ])
+    };
+    let begins = "the voltage moves from the first sample on";
+    assert!(estimated(&moving).contains(begins) && !estimated(&rested).contains(begins));
+}
+
+#[test]
 fn a_sensor_that_drifts_is_a_grave_doubt() {
     let folder = tempfile::tempdir().unwrap();
     let of = |name: &str, um: f64| {
@@ -110,7 +142,7 @@ fn a_table_that_was_learnt_over_a_change_between_what_was_judged_and_the_rest_is
     assert!(alike.contains(" µm stroke), and "), "{alike}");
     let [one, two] = ["alike.csv", "changed.csv"].map(|name| folder.path().join(name));
     let both = identified(&one, &["--devices", "0", text(&two)]);
-    assert!(both.contains("% of a log's own stroke, on average over 2 logs)"), "{both}");
+    assert!(both.contains("% of the stroke in what was held out of each, on average over 2 logs)"), "{both}");
     assert!(both.contains(" without a constant offset of each log's own. With it,"), "{both}");
     assert!(both.contains("\n- on changed, held out, the estimate is off by a constant"), "{both}");
 }
@@ -157,11 +189,34 @@ fn exchanged_columns_are_the_first_doubt_and_look_asks_for_them() {
     let looked = |log: &Path| String::from_utf8(piezo().arg("look").arg(log).output().unwrap().stdout).unwrap();
     let asked = "are the two columns exchanged?";
     assert!(looked(&exchanged).contains(asked) && !looked(&right).contains(asked), "{}", looked(&exchanged));
+    let settled = "\nNext, once what is doubtful is settled:\n";
+    assert!(looked(&exchanged).contains(settled) && looked(&right).contains("\nNext:\n"), "{}", looked(&right));
     let said = identified(&exchanged, &["--devices", "0"]);
     let first = said.split("When not to trust it:\n- ").nth(1).unwrap_or_else(|| panic!("no doubts in {said}"));
     assert!(first.starts_with("in exchanged the displacement runs ahead of the voltage"), "{first}");
     assert!(first.contains(asked) && first.contains("--columns") && !said.contains("piezo install"), "{said}");
     assert!(!identified(&right, &["--devices", "0"]).contains(asked));
+}
+
+#[test]
+fn a_voltage_that_is_read_late_and_another_clock_are_doubts() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |seconds: f64| 20.0 - 20.0 * (3.0 * std::f64::consts::TAU * seconds).cos();
+    let of = |name: &str, late_s: fn(f64) -> f64| {
+        let read = move |seconds: f64| 0.3 * at(seconds - late_s(seconds));
+        let path = log(folder.path(), name, COLUMNS, 4000, |k| {
+            let seconds = f64::from(k) * 0.005;
+            (at(seconds), read(seconds) + 0.01 * noise(k))
+        });
+        identified(&path, &["--devices", "0"])
+    };
+    let (early, other, sound) =
+        (of("early.csv", |_| -0.012), of("clock.csv", |seconds| 0.002 * seconds), of("sound.csv", |_| 0.002));
+    assert!(early.contains("\n- in early the displacement comes before the voltage, by 1"), "{early}");
+    let later = other.contains("\n- in clock the displacement is ") && other.contains(" ms later at the end than");
+    assert!(later, "{other}");
+    assert!(!sound.contains("before the voltage") && !sound.contains("at the end than"), "{sound}");
+    assert!(early.contains("Next: mend what the first doubt names"), "{early}");
 }
 
 #[test]

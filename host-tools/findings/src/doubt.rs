@@ -6,7 +6,7 @@ use crate::raised::remarks;
 use crate::short::short;
 use calibration::{Assumed, CalibrationOptions};
 use estimator_core::{DuhemCondition, Range, Status};
-use identification::validate::{Raised, compare};
+use identification::validate::{OutOfStep, Raised, compare};
 use identification::{Candidate, Converter, Doubt, FEW_REVERSALS, Outcome};
 use log_survey::{Ahead, Hum, Implausible, OtherScale};
 use recordings::session::Session;
@@ -28,6 +28,17 @@ pub fn doubt(doubt: &Doubt) -> String {
         Doubt::RunsAhead { log, by: Ahead { percent, loops } } => format!(
             "in {log} {}; if they are the right ones, the voltage was read later than the displacement: record both at once",
             runs_ahead(&Ahead { percent: *percent, loops: *loops })
+        ),
+        Doubt::OutOfStep { log, of: OutOfStep::VoltageLate { by_s } } => format!(
+            "in {log} the displacement comes before the voltage, by {} ms more than a model can have, and that is most of the error: is \
+             the voltage filtered, or read by another converter that is late? Record both at once",
+            short(by_s * 1e3)
+        ),
+        Doubt::OutOfStep { log, of: OutOfStep::ClocksDiffer { by_s } } => format!(
+            "in {log} the displacement is {} ms {} at the end than at the beginning: do two instruments with clocks of their own record \
+             voltage and displacement? Record both by one clock",
+            short((by_s * 1e3).abs()),
+            if *by_s > 0.0 { "later" } else { "earlier" }
         ),
         Doubt::AtBound { gene: "delay", value } => format!(
             "`delay`, how many ticks the displacement is behind the voltage, ended at the end of its range ({value:.4}): where the sensor \
@@ -336,6 +347,8 @@ mod tests {
             Doubt::SingleAmplitude { extremum_terms: true },
             Doubt::SingleAmplitude { extremum_terms: false },
             Doubt::RunsAhead { log: "f".into(), by: Ahead { percent: 9.0, loops: 5 } },
+            Doubt::OutOfStep { log: "f".into(), of: OutOfStep::VoltageLate { by_s: 6e-3 } },
+            Doubt::OutOfStep { log: "f".into(), of: OutOfStep::ClocksDiffer { by_s: -6e-3 } },
             Doubt::Untrained { log: "g".into(), percent: 13.79, first_s: 2.0 },
             Doubt::AtBound { gene: "delay", value: 15.0 },
             Doubt::Drift { log: "h".into(), offset_um: -0.2 },

@@ -4,6 +4,7 @@ use calibration::Assumed;
 use estimator_core::{DuhemCondition, Range};
 use log_survey::{Ahead, Flaw, Hum, Implausible, OtherScale};
 use serde::Serialize;
+use validation::OutOfStep;
 
 /// A reason not to trust a result.
 #[derive(Clone, PartialEq, Debug, Serialize)]
@@ -21,6 +22,14 @@ pub enum Doubt {
         /// By how much the displacement is early.
         #[serde(flatten)]
         by: Ahead,
+    },
+    /// What the model leaves of a training log goes with how fast it moves.
+    OutOfStep {
+        /// Name of the log.
+        log: String,
+        /// How its voltage and displacement are out of step.
+        #[serde(flatten)]
+        of: OutOfStep,
     },
     /// A log moves much further a volt than the others, or much less far.
     OtherScale(OtherScale),
@@ -215,7 +224,7 @@ impl Doubt {
             // What is no measurement may be the cause of every other doubt.
             Self::EstimatedDisplacement { .. } => 0,
             Self::Flawed { worst, left_out: false, .. } if worst.repairable() => 0,
-            Self::OtherScale(_) | Self::ImplausibleStroke(_) | Self::RunsAhead { .. } => 1,
+            Self::OtherScale(_) | Self::ImplausibleStroke(_) | Self::RunsAhead { .. } | Self::OutOfStep { .. } => 1,
             Self::Diverges { .. }
             | Self::PoorFit { .. }
             | Self::LearntWorse { .. }

@@ -67,6 +67,7 @@ pub fn doubts(
             doubts.push(Doubt::Diverges { fed_um, simulation_um });
         }
     }
+    doubts.extend(out_of_step(&candidate.training));
     doubts.extend(poor(candidate.training.iter().map(|log| (&*log.name, log.figures()))));
     let off_um = judged.training_off_um().zip(judged.held_out_off_um());
     match (judged.training_figures(), judged.held_out_figures(), off_um) {
@@ -120,6 +121,13 @@ pub fn doubts(
         doubts.push(Doubt::SinglePrecision { difference_um });
     }
     doubts
+}
+
+/// The log whose voltage and displacement are most out of step.
+fn out_of_step(logs: &[Comparison]) -> Option<Doubt> {
+    let of = |log: &Comparison| Some((log.name.clone(), log.trace.out_of_step(log.mil.stroke_um)?));
+    let most = logs.iter().filter_map(of).max_by(|(_, a), (_, b)| a.by_s().abs().total_cmp(&b.by_s().abs()));
+    most.map(|(log, of)| Doubt::OutOfStep { log, of })
 }
 
 /// An error on a log, its constant offset aside, that is much of the stroke of all logs: a small swing's may be much of

@@ -55,7 +55,7 @@ fn unseen(held_out: &Figures, logs: usize) -> String {
     };
     let percent = match logs {
         1 => format!("{percent:.2} % of the {:.1} µm stroke", Micrometres(held_out.stroke_um)),
-        _ => format!("{percent:.2} % of a log's own stroke, on average over {logs} logs"),
+        _ => format!("{percent:.2} % of the stroke in what was held out of each, on average over {logs} logs"),
     };
     let constant = match logs {
         1 => format!("a constant offset of {:+.3} µm", Micrometres(held_out.offset_um)),
