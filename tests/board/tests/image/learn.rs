@@ -1,12 +1,14 @@
 //! From a board that knows nothing to a proven table, as it is typed: `piezo` at the unmodified image's serial line,
 //! and an amplifier, an actuator and a displacement sensor at its pins.
 
-use crate::common::{Bench, FULL, PARTS, PERIOD, shown, triangle};
+use crate::common::{Bench, PERIOD, shown, triangle};
 use anyhow::{Context, Result, bail, ensure};
+use bench::{BoardFacts, EMULATED, Wiring, emulated};
 use board_emulator_test::{Reset, Stop};
 use emulator::{Conversion, Plant};
-use estimator_core::{AdcCode, DacCode, Range, Table};
-use plants::{Converter, Kind};
+use estimator_core::{AdcCode, DacCode};
+use firmware::rate::TICK_US;
+use plants::Kind;
 use protocol::Faults;
 use std::cell::Cell;
 use std::io::{ErrorKind, Read, Write};
@@ -17,18 +19,8 @@ use std::time::Duration;
 use std::{fs, thread};
 use tempfile::TempDir;
 
-/// What the wires stand for.
-const BOARD: &str = "adc_span = [-35.0, 135.0]
-adc_full_scale = 65520
-dac_full_scale = 4095
-drive_span = [-30.0, 130.0]
-drive_range = [0.0, 100.0]
-drive_rest = 0.0
-drive_slew = 500.0
-sensor_span = [-5.0, 25.0]
-";
-/// Displacement from the rest at the sensor's code 0 and at full scale, µm.
-const SENSOR_UM: (f64, f64) = (-5.0, 25.0);
+/// The emulated bench, whose amplifier is as quick as may be: what the monitor reads leaps where that is plugged in.
+const FACTS: BoardFacts = BoardFacts { amplifier_slew: None, ..EMULATED };
 /// What 500 V/s are in a tick: 0.25 V, in parts of a code of 160 V/4095, to the next.
 const STRIDE: u16 = 103;
 /// A session as short as the slew limit lets it be, at no more than so many Hz.
@@ -52,31 +44,14 @@ impl Desk {
         let socket = TcpListener::bind(("127.0.0.1", 0))?;
         socket.set_nonblocking(true)?;
         let folder = tempfile::tempdir()?;
-        fs::write(folder.path().join("board.toml"), BOARD)?;
+        fs::write(folder.path().join("board.toml"), FACTS.to_toml())?;
         // Before, its amplifier is not plugged in.
         let mut bench = Bench::erased()?;
         bench.board.feed(triangle);
         let mut desk = Self { bench, socket, host: None, folder, plugged: 0 };
         let installed = desk.does(&["install", "--line", "--rewired", "--board", "board.toml"])?;
         assert!(installed.contains("bit-exact"), "{installed}");
-        let Table { adc, drive, .. } = *desk.bench.table()?;
-        let drive = drive.context("the line drives")?;
-        let [min, max] = [DacCode(0), DacCode(FULL / PARTS)].map(|code| drive.voltage(code));
-        let bench = emulator::Bench {
-            actuator: plants::Plant::drawn(Kind::RateDependent, 5),
-            stroke_um: 15.0,
-            monitor: adc,
-            drive,
-            sensor_um: Some(SENSOR_UM),
-            adc: Converter::adc(Range { min: 0.0, max: 1.0 }).of_nonlinearity(0.5),
-            dac: Converter::dac(Range { min, max }).of_nonlinearity(-0.5),
-            sensor_lag_s: 50e-6,
-            sensor_drift_nm_per_s: 0.1,
-            monitor_noise_v: 7e-3,
-            sensor_noise_nm: 6.0,
-            seed: 5,
-        };
-        desk.plug_in(bench.connected());
+        desk.plug_in(emulated(&Wiring::new(&FACTS, TICK_US)?, Kind::RateDependent, 5).connected());
         desk.plugged = desk.bench.board.record().outputs.len();
         Ok(desk)
     }
