@@ -19,9 +19,9 @@
 //!
 //! No estimate and no actuator is taken to be beyond the table's limits, so the estimator gives at most their span.
 //! The numbers come from simulated devices that were driven by the training's own voltages and learnt as the
-//! actuator was (`piezo identify`). 95 % holds over time, averaged over recordings and devices like those; it says
-//! nothing of the absolute displacement, of load, or of temperature beyond drift, and there is none before the
-//! displacement was told.
+//! actuator was, and from what was held out of the training (`piezo identify`). 95 % holds over time, averaged over
+//! recordings and devices like those; it says nothing of the absolute displacement, of load, or of temperature beyond
+//! drift, and there is none before the displacement was told.
 
 mod age;
 mod parameters;

@@ -21,12 +21,12 @@
 //! loop is fitted as well by weights that are wrong at every other amplitude: a device of Rayleigh's loops, learnt to
 //! 0.01 % of its stroke from one sine, was held 54 % of the time on random steps.
 
-use crate::trial::{PARTS, Recording, Sample};
+use crate::told::{PARTS, Recording, Sample};
 use estimator_core::Range;
 use minimisation::{Budget, Gene, Optimiser, each, minimise};
 
 /// What the score asks for, of all errors.
-const COVERED: f64 = 0.95;
+pub const COVERED: f64 = 0.95;
 /// What is to be held of a recording at least, and of how many recordings.
 const HELD: f64 = 0.9;
 const RECORDINGS: f64 = 0.9;
@@ -112,8 +112,8 @@ fn factor(tried: &[Tried], gains: &Gains) -> f64 {
         other / variance(&sample.parts, gains).sqrt().max(f64::MIN_POSITIVE)
     };
     let of_all = quantile(each_of(tried, gains, &of).flatten(), COVERED);
-    let of_recordings = quantile(each_of(tried, gains, &of).map(|ratios| quantile(ratios, HELD)), RECORDINGS);
-    of_all.max(of_recordings).max(1.0)
+    let of_each = each_of(tried, gains, &of).filter_map(|ratios| quantile(ratios, HELD));
+    [of_all, quantile(of_each, RECORDINGS)].into_iter().flatten().fold(1.0, f64::max)
 }
 
 /// A number of every sample of each recording, by its device's own half-width and gains.
@@ -129,12 +129,12 @@ fn each_of<'a>(
     })
 }
 
-/// The least of some numbers that this part of them does not exceed; 1 of none.
-fn quantile(numbers: impl Iterator<Item = f64>, part: f64) -> f64 {
+/// The least of some numbers that this part of them does not exceed; `None` of none.
+pub fn quantile(numbers: impl Iterator<Item = f64>, part: f64) -> Option<f64> {
     let mut numbers: Vec<f64> = numbers.collect();
     numbers.sort_by(f64::total_cmp);
     let index = libm::ceil(part * numbers.len() as f64) as usize;
-    numbers.get(index.saturating_sub(1)).copied().unwrap_or(1.0)
+    numbers.get(index.saturating_sub(1)).copied()
 }
 
 /// Of everything but what the device's own logs say, µm².

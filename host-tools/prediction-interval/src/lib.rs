@@ -4,18 +4,22 @@
 //! So devices are simulated that no model of the catalogue is made of, driven by the user's own voltages and learnt as
 //! the actuator was; what their tables are off by on other recordings says how wide the interval has to be for what is
 //! known of a tick: how far the voltage has gone where the training never went, how fast it goes, how long ago the
-//! displacement was told.
+//! displacement was told. What was held out of the training is then to be held as often, too.
 
 mod again;
 mod device;
 mod gains;
+mod held;
 mod late;
 mod lead_in;
 mod memory_at_ends;
 mod prototypes;
 mod spread;
 mod start_memory;
+mod told;
 mod trial;
+
+pub use held::Judged;
 
 use again::again;
 use device::Device;
@@ -28,7 +32,8 @@ use rayon::prelude::*;
 use recordings::session::Session;
 use spread::learnt;
 use start_memory::start_memory;
-use trial::{PARTS, recordings};
+use told::PARTS;
+use trial::recordings;
 
 /// Devices that are simulated where nobody says how many.
 pub const DEVICES: u32 = 12;
@@ -54,12 +59,13 @@ pub struct Calibration {
     pub own_um: f64,
 }
 
-/// The interval of an identified model; `None` without a device that could be learnt, or where the training voltage
-/// does not move. `progress` is called after each of the simulated devices, whose searches try as many candidates as
-/// `search` has for two numbers.
+/// The interval of an identified model, which holds what it was `judged` on as often as it says; `None` without a
+/// device that could be learnt, or where the training voltage does not move. `progress` is called after each of the
+/// simulated devices, whose searches try as many candidates as `search` has for two numbers.
 pub fn calibrate(
     problem: &Problem,
     candidate: &Candidate,
+    judged: Judged<'_>,
     context: &TableContext,
     search: &SearchOptions,
     devices: u32,
@@ -89,7 +95,13 @@ pub fn calibrate(
             memory_at_ends: at_ends.min(1.0),
             ..parameters
         };
-        Calibration { parameters, own_um }
+        let held_um = held::misfit(judged, &parameters);
+        let (misfit_um, own_um) = match held_um > f64::from(parameters.misfit_um) {
+            true => (held_um as f32, held_um),
+            false => (parameters.misfit_um, own_um),
+        };
+        let untrained_um = untrained(parameters.untrained_um, misfit_um, several);
+        Calibration { parameters: IntervalParameters { misfit_um, untrained_um, ..parameters }, own_um }
     })
 }
 
@@ -105,7 +117,8 @@ pub fn with_interval(
     progress: impl Fn() + Sync,
 ) -> Result<(Outcome, Option<Calibration>), CandidateError> {
     let Learnt { candidate, context, .. } = &outcome.learnt;
-    let interval = calibrate(outcome.learnt_from(), candidate, context, search, devices, progress);
+    let judged = Judged { problem: &outcome.problem, candidate: outcome.judged() };
+    let interval = calibrate(outcome.learnt_from(), candidate, judged, context, search, devices, progress);
     outcome.learnt.candidate = candidate.clone().with_interval(interval.map(|of| of.parameters))?;
     Ok((outcome, interval))
 }
@@ -162,6 +175,12 @@ fn unscaled(problem: &Problem, candidate: &Candidate) -> IntervalParameters {
     learnt(parameters, problem, table.voltage_range_v.of(), misfit(candidate).hypot(LEAST * stroke))
 }
 
+/// n (µm) beyond which plays stand as they never stood: farther than any of the training did, and, of several
+/// amplitudes, so far that it widens the interval.
+fn untrained(beyond: f32, misfit: f32, several_amplitudes: bool) -> f32 {
+    beyond.max(if several_amplitudes { WIDER * misfit } else { 0.0 })
+}
+
 fn scaled(
     unscaled: IntervalParameters,
     [misfit, memory, rate, moved, gain, drift]: [f64; PARTS],
@@ -176,7 +195,7 @@ fn scaled(
         rate_ticks: times(unscaled.rate_ticks, rate),
         spread_um: unscaled.spread_um.map(|number| times(number, moved)),
         prototype_um: times(unscaled.prototype_um, moved),
-        untrained_um: times(unscaled.untrained_um, moved).max(if several_amplitudes { WIDER * misfit_um } else { 0.0 }),
+        untrained_um: untrained(times(unscaled.untrained_um, moved), misfit_um, several_amplitudes),
         gain: times(unscaled.gain, gain),
         drift_um: times(unscaled.drift_um, drift),
         ..unscaled

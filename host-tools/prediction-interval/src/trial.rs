@@ -2,20 +2,16 @@
 
 use crate::device::Device;
 use crate::lead_in::lead_in;
-use estimator_core::interval::{Interval, IntervalState};
-use estimator_core::{Admitted, Estimator, IntervalParameters, Range};
+use crate::told::{Recording, judged};
+use estimator_core::{Admitted, IntervalParameters, Range};
 use identification::Problem;
 use log_survey::reversals::reversals;
 use plants::{STEP_S, Waveform};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use validation::ZERO_WINDOW_S;
+use recordings::session::Session;
 
-/// Parts of a recording after which the displacement is told.
-const TOLD: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
-/// Samples of a recording that count, evenly over what follows.
-const SAMPLES: usize = 60;
 /// Recordings of a device.
 const RECORDINGS: usize = 8;
 /// Periods of a recording, and its length in s, within.
@@ -43,21 +39,6 @@ const LARGE: f64 = 0.25;
 
 /// Ways of a recording to begin, which every waveform has for one device or another.
 const RESTS: usize = 4;
-
-/// Parts of a half-width whose gains are found.
-pub const PARTS: usize = 6;
-
-/// An error, and what the interval has there: µm, of an interval whose gains are 1.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Sample {
-    /// Absolute error since the displacement was told, as the sensor reads it.
-    pub error: f64,
-    /// Misfit, memory of the start, rate, plays that moved, displacement gone, drift.
-    pub parts: [f64; PARTS],
-}
-
-/// The samples that follow one telling of one recording.
-pub type Recording = Vec<Sample>;
 
 /// What follows each telling of a device's recordings, beside the estimates of its table.
 pub fn recordings(
@@ -105,7 +86,9 @@ fn one(
     let normal: f64 = StandardNormal.sample(draw);
     let gain = 1.0 + GAIN * normal;
     let truth: Vec<f64> = device.respond(&past, &voltage).iter().map(|y| gain * y).collect();
-    judged(table, unscaled, &voltage, &device.read(&truth, draw.random()), from)
+    let instants = (0..voltage.len() as u32).collect();
+    let read = device.read(&truth, draw.random());
+    judged(table, unscaled, &Session::new(String::new(), voltage, instants, read, problem.extent().tick), from)
 }
 
 /// The voltages of a recording, V a tick.
@@ -155,52 +138,4 @@ fn frequency(voltage: &[f64], tick_s: f64) -> f64 {
     let span = Range::of_values(voltage.iter().copied()).span();
     let turns = reversals(voltage, LARGE * span).len().max(1) as f64;
     turns / 2.0 / (voltage.len().max(1) as f64 * tick_s)
-}
-
-/// The estimates beside what the sensor reads from the tick `from` on, after each telling: of the mean error over the
-/// [`ZERO_WINDOW_S`] up to there.
-fn judged(
-    table: &Admitted,
-    unscaled: &IntervalParameters,
-    voltage: &[f64],
-    sensor: &[f64],
-    from: usize,
-) -> Vec<Recording> {
-    let interval = Interval::<f64>::build(unscaled, table.voltage_range_v.of(), table.sample_period());
-    let mut estimator = Estimator::<f64>::new(table);
-    let ticks = voltage.len().saturating_sub(1);
-    let zero = f64::from(table.voltage_zero_v);
-    let mut begun = None;
-    let window = (ZERO_WINDOW_S / table.sample_period::<f64>()).round().max(1.0) as usize;
-    let mut offs: Vec<f64> = Vec::with_capacity(ticks);
-    let mut told: Vec<(f64, IntervalState<f64>, Recording, usize)> = Vec::new();
-    for tick in 0..ticks {
-        let estimate = estimator.tick_volts(voltage[tick] + zero).displacement;
-        let off = estimate - sensor[tick + 1];
-        offs.push(off);
-        let state = begun.get_or_insert_with(|| interval.begin(voltage[tick], estimate));
-        interval.step(state, voltage[tick], estimate);
-        for (at, state, recording, every) in &mut told {
-            interval.step(state, voltage[tick], estimate);
-            if tick % *every == 0
-                && let Some(parts) = interval.parts(state)
-            {
-                let error = (off - *at).abs();
-                let of = [parts.misfit, parts.memory, parts.rate, parts.moved, parts.gain, parts.drift];
-                recording.push(Sample { error, parts: of });
-            }
-        }
-        if TOLD.iter().any(|part| from + (part * (ticks - from) as f64) as usize == tick) {
-            let mut state = *state;
-            interval.tell_at_rest(&mut state);
-            let before = &offs[offs.len().saturating_sub(window)..];
-            told.push((
-                before.iter().sum::<f64>() / before.len() as f64,
-                state,
-                Vec::new(),
-                ((ticks - tick) / SAMPLES).max(1),
-            ));
-        }
-    }
-    told.into_iter().map(|(_, _, recording, _)| recording).filter(|recording| !recording.is_empty()).collect()
 }

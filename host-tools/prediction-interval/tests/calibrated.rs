@@ -4,9 +4,11 @@ use ::calibration::CalibrationOptions;
 use estimator_core::{Model, Status};
 use identification::cost::{Cost, Feedback};
 use identification::validate::{Coverage, Scope, compare_within};
-use identification::{Candidate, Conditions, Job, ModelChoice, Prepared, SearchOptions, identify, prepared};
-use plants::{Density, Kind, Plant, STEP_S, Waveform};
-use prediction_interval::{Calibration, calibrate};
+use identification::{
+    Candidate, Conditions, Job, ModelChoice, Prepared, Problem, SearchOptions, TableContext, identify, prepared,
+};
+use plants::{Change, Density, Kind, Plant, STEP_S, Waveform};
+use prediction_interval::{Calibration, Judged, calibrate};
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareOptions};
 
@@ -42,14 +44,19 @@ fn learnt_from(plant: &Plant, model: Model, waveforms: &[Waveform]) -> (Prepared
     (prepared, candidate, search)
 }
 
+/// Where nothing was held out.
+fn interval(problem: &Problem, candidate: &Candidate, context: &TableContext, search: &SearchOptions) -> Calibration {
+    calibrate(problem, candidate, Judged { problem, candidate }, context, search, DEVICES, || ()).unwrap()
+}
+
 #[test]
 fn it_holds_on_recordings_of_another_kind_and_is_narrower_where_the_training_was() {
     let plant = Plant::drawn(Kind::Relays(Density::Lorentzian), 77);
     let (Prepared { problem, context, .. }, candidate, search) =
         learnt(&plant, Model::GeneralisedPrandtlIshlinskii, &[2.0, 8.0]);
     let calibrated = |seed: u32| {
-        let context = identification::TableContext { seed, ..context.clone() };
-        calibrate(&problem, &candidate, &context, &search, DEVICES, || ()).unwrap()
+        let context = TableContext { seed, ..context.clone() };
+        interval(&problem, &candidate, &context, &search)
     };
     let Calibration { parameters, own_um } = calibrated(1);
     assert_eq!(calibrated(1).parameters, parameters, "the same seed, the same interval");
@@ -87,7 +94,7 @@ fn what_hardly_widens_the_interval_is_not_called_untrained() {
         let training: Vec<Waveform> = training.iter().copied().map(sine).collect();
         let (Prepared { problem, context, .. }, candidate, search) =
             learnt_from(&plant, Model::GeneralisedPrandtlIshlinskii, &training);
-        let parameters = calibrate(&problem, &candidate, &context, &search, DEVICES, || ()).unwrap().parameters;
+        let parameters = interval(&problem, &candidate, &context, &search).parameters;
         let table = candidate.with_interval(Some(parameters)).unwrap().table;
         let drive = Waveform::Multisine { amplitude: plant.full_v, from_hz: 1.0, to_hz: 10.0, tones: 6 };
         let log = plant.log("unseen", &drive, 5.0, 9);
@@ -108,7 +115,7 @@ fn a_lag_that_one_frequency_leaves_open_is_in_the_interval_at_another() {
     let [one, two] = [&[2.0][..], &[2.0, 40.0]].map(|hertz| {
         let (Prepared { problem, context, .. }, candidate, search) =
             learnt(&plant, Model::GeneralisedPrandtlIshlinskii, hertz);
-        let calibration = calibrate(&problem, &candidate, &context, &search, DEVICES, || ()).unwrap();
+        let calibration = interval(&problem, &candidate, &context, &search);
         let table = candidate.with_interval(Some(calibration.parameters)).unwrap().table;
         [2.0, 40.0].map(|hertz| {
             let log = plant.log("unseen", &sine(hertz), 2.0, 9);
@@ -122,6 +129,29 @@ fn a_lag_that_one_frequency_leaves_open_is_in_the_interval_at_another() {
     assert!(one[0].half_width_um < 0.03 * plant.stroke_um, "{one:?}");
 }
 
+/// The simulated devices stay as they were learnt. What was held out shows that the actuator does not.
+#[test]
+fn what_was_held_out_widens_it() {
+    let plant = Plant::drawn(Kind::Relays(Density::Gaussian), 8);
+    let (Prepared { problem, context, .. }, candidate, search) =
+        learnt(&plant, Model::GeneralisedPrandtlIshlinskii, &[2.0, 8.0]);
+    let session = |seed| {
+        let swelling = Waveform::AmplitudeModulated { amplitude: plant.full_v, hertz: 5.0, swell_hz: 0.5 };
+        let log = plant.after(Change::ageing(0.1)).log("aged", &swelling, 5.0, seed);
+        prepared(&context.recipe, &context.recipe.cut(&log)).unwrap()
+    };
+    let judged = problem.of(problem.training().cloned().collect(), vec![session(7)]);
+    let [unseen, seen] = [&problem, &judged].map(|of| {
+        let judged = Judged { problem: of, candidate: &candidate };
+        let calibration = calibrate(&problem, &candidate, judged, &context, &search, DEVICES, || ()).unwrap();
+        let table = candidate.clone().with_interval(Some(calibration.parameters)).unwrap().table;
+        let scope = Scope { zero_at_s: Some(0.5), ..Scope::ALL };
+        compare_within(&table, &session(9), &scope).unwrap().interval.unwrap()
+    });
+    assert!(unseen.covered_percent < 80.0 && seen.covered_percent > 93.0, "{unseen:?} {seen:?}");
+    assert!(seen.half_width_um < 1.5 * seen.best_constant_um, "{seen:?}");
+}
+
 /// What `piezo zero` does where the board has been running: the actuator rests at an end, and
 /// works elsewhere afterwards.
 #[test]
@@ -130,7 +160,7 @@ fn it_holds_what_creeps_from_a_rest_where_the_model_has_no_creep() {
         let plant = Plant::drawn(Kind::Relays(Density::Gaussian), device);
         let (Prepared { problem, context, .. }, candidate, search) =
             learnt(&plant, Model::PrandtlIshlinskii, &[2.0, 8.0]);
-        let calibration = calibrate(&problem, &candidate, &context, &search, DEVICES, || ()).unwrap();
+        let calibration = interval(&problem, &candidate, &context, &search);
         let table = candidate.with_interval(Some(calibration.parameters)).unwrap().table;
         let log = after_a_rest(&plant);
         let session = prepared(&context.recipe, &context.recipe.cut(&log)).unwrap();

@@ -9,7 +9,7 @@ use identification::validate::{
 };
 use identification::{Candidate, Identification, Prepared, StraightLine, prepared};
 use log_survey::noise_of;
-use prediction_interval::DEVICES;
+use prediction_interval::{DEVICES, calibrate};
 use recordings::session::Session;
 
 /// A search of fewer candidates a number has its interval from fewer devices: one for each so many.
@@ -78,7 +78,8 @@ pub fn learn(subject: &Subject, models: &[Model]) -> Result<Vec<Judged>, ThesisE
             BESIDE => {
                 let search = &subject.job.search;
                 let devices = DEVICES.min(search.evaluations / OF_A_DEVICE).max(1);
-                let interval = prediction_interval::calibrate(&problem, &candidate, &context, search, devices, || ());
+                let as_learnt = prediction_interval::Judged { problem: &problem, candidate: &candidate };
+                let interval = calibrate(&problem, &candidate, as_learnt, &context, search, devices, || ());
                 candidate.with_interval(interval.map(|of| of.parameters))
             }
             _ => Ok(candidate),
