@@ -281,6 +281,31 @@ fn a_pm_that_holds_the_sensor_too_rarely_is_asked_about() {
     assert!(!said(1.0).contains("learn from this log, too"), "as it was measured");
 }
 
+/// Where the error is small, what holds it rarely is too narrow; nobody looks for another unit.
+#[test]
+fn a_pm_that_holds_a_small_error_rarely_is_called_narrow() {
+    let folder = tempfile::tempdir().unwrap();
+    let table = fs::read_to_string(super::root().join(TABLE)).unwrap();
+    let mut within = false;
+    let narrow = table.lines().map(|line| {
+        within = matches!(line, "memory_um = [" | "spread_um = [") || (within && line != "]");
+        match line.split_once(" = ") {
+            Some((name @ ("misfit_um" | "gain" | "drift_um" | "rate_ticks"), _)) => format!("{name} = 0.001\n"),
+            None if within => "    0.0,\n".to_owned(),
+            _ => format!("{line}\n"),
+        }
+    });
+    let path = folder.path().join("narrow.toml");
+    fs::write(&path, narrow.collect::<String>()).unwrap();
+    let output =
+        piezo().args(["validate", text(&path), OTHER_DAY, "--told", "one-cycle"]).assert().get_output().clone();
+    let said = String::from_utf8(output.stdout).unwrap();
+    let held = said.lines().find(|line| line.contains("the ±, told one cycle, holds the sensor")).unwrap_or(&said);
+    assert!(held.contains("learn from this log, too") && !said.contains("is it the actuator"), "{said}");
+    let percent = held.split("holds the sensor ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
+    assert!(percent.parse::<f64>().unwrap() < 50.0, "{held}");
+}
+
 /// A sensor that gave no number and leapt, in 12 of 7,000 readings.
 #[test]
 fn what_is_no_measurement_is_left_out_of_the_errors_where_that_is_asked() {

@@ -91,6 +91,9 @@ pub enum Evidence {
 const HELD: f64 = 50.0;
 /// One that holds less than this, %, is too narrow for it: `piezo prove` fails there, too.
 const NARROW: f64 = 80.0;
+/// Without its offset an error of less than this, % of the log's stroke, is too small for another unit, sign or column:
+/// what does not hold it is too narrow.
+const SMALL: f64 = 2.0;
 /// A larger error without its offset, % of the log's stroke,
 const ERROR: f64 = 10.0;
 /// and than so many times that of the training.
@@ -186,10 +189,11 @@ fn evidence(comparison: &Comparison, table: &Table) -> Vec<Evidence> {
     if large && span(&trace.measured, &scored) > least_um {
         found.push(Evidence::Error { percent: figures.mae_without_offset_percent, training_um });
     }
+    let held_percent = better(comparison.interval, comparison.interval_one_cycle).map(|best| best.covered_percent);
+    let small = found.is_empty() && figures.mae_without_offset_percent < SMALL;
     found.extend(
-        better(comparison.interval, comparison.interval_one_cycle)
-            .map(|best| best.covered_percent)
-            .filter(|&percent| percent < HELD)
+        held_percent
+            .filter(|&percent| percent < HELD && !small)
             .map(|held_percent| Evidence::Interval { held_percent }),
     );
     found
