@@ -1,7 +1,7 @@
 //! What in a log is no measurement, in words.
 
 use identification::Job;
-use log_survey::{Flaw, Stretch};
+use log_survey::{Flaw, Found, Stretch};
 use recordings::log::Log;
 
 /// What the gravest of a log's flaws of one kind is, where there are `count` of them, without the log's name.
@@ -58,14 +58,20 @@ pub fn flaw_scored(worst: &Flaw, count: usize, repaired: bool) -> String {
     format!("{}: {so}", flaw(worst, count))
 }
 
+/// What helps where a log has more holes than one may have.
+pub(crate) const TOO_MANY_HOLES: &str =
+    "no log may have so many holes, and --repair does not help; record it again, or use what lies before or behind";
+
 /// The same with its row, counted from 1, before anything is learnt.
-pub fn flaw_found(worst: &Flaw, count: usize, row: u64) -> String {
+pub fn flaw_found(found: &Found, too_many_holes: bool) -> String {
+    let Found { worst, count, first_row } = found;
     let helps = match worst {
+        Flaw::Hole { .. } if too_many_holes => TOO_MANY_HOLES,
         Flaw::Step { .. } => "--repair of identify takes what lies behind it back by that",
         _ if worst.repairable() => "--repair of identify leaves it out",
         _ => "nothing can repair that; record it again, or use what lies before it or behind",
     };
-    format!("{}, row {row}: {helps}", flaw(worst, count))
+    format!("{}, row {}: {helps}", flaw(worst, *count), first_row + 1)
 }
 
 /// Each flaw of the logs of a job, in the order of the logs and their kinds: the log's name, where it is, and
@@ -123,7 +129,8 @@ mod tests {
     fn each_flaw_is_said_with_its_time_and_what_repair_does_to_it() {
         let at = Stretch { from_s: 1.25, to_s: 1.2505 };
         let spike = Flaw::VoltageSpike { at, leap_v: 300.0 };
-        let (found, scored) = (flaw_found(&spike, 1, 2_501), flaw_scored(&spike, 2, false));
+        let found_of = |worst| flaw_found(&Found { worst, count: 1, first_row: 2_500 }, false);
+        let (found, scored) = (found_of(spike), flaw_scored(&spike, 2, false));
         assert!(
             found.contains("leaps by 300.000 V at 1.2500 s")
                 && found.ends_with("row 2501: --repair of identify leaves it out"),
@@ -136,7 +143,7 @@ mod tests {
             "{repaired}"
         );
         let step = Flaw::Step { at, leap_um: -5.0 };
-        let (found, doubt) = (flaw_found(&step, 1, 2_501), flawed("a", &step, 1, false, false));
+        let (found, doubt) = (found_of(step), flawed("a", &step, 1, false, false));
         assert!(
             found.contains("steps by -5.000 µm near 1.2500 s")
                 && found.ends_with("takes what lies behind it back by that"),
@@ -145,7 +152,7 @@ mod tests {
         assert!(doubt.ends_with("have what lies behind it taken back with --repair"), "{doubt}");
         assert!(flawed("a", &step, 1, true, false).contains("was taken back by that (--repair)"));
         let missing = Flaw::Missing { at, leap_v: 3.0, leap_um: 0.4 };
-        let (found, doubt) = (flaw_found(&missing, 1, 2_501), flawed("a", &missing, 1, false, false));
+        let (found, doubt) = (found_of(missing), flawed("a", &missing, 1, false, false));
         assert!(
             found.contains("samples may be missing here, unless the drive leapt or recordings were joined, row 2501: nothing can repair that"),
             "{found}"

@@ -41,7 +41,7 @@ pub use reason::reason;
 pub use recipe::{ends_left_out, monitor_asked, zeros};
 pub use search::{search, searches};
 pub use short::counted;
-pub use surveyed::{remarked, surveyed};
+pub use surveyed::{doubtful, remarked, surveyed};
 pub use table_file::{bring_to, table_file};
 pub use unsaid::{hold_out, model};
 pub use validated::{explained, failed};

@@ -1,7 +1,7 @@
 //! What was understood of a log before anything is fitted to it, in words.
 
 use crate::doubt::{implausible, runs_ahead};
-use crate::flaw::flaw_found;
+use crate::flaw::{TOO_MANY_HOLES, flaw_found};
 use crate::recipe::monitor_asked;
 use crate::short::short;
 use estimator_core::Range;
@@ -69,7 +69,7 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>, hinders: Option<(&str, &
     let is_hole = |of: &Found| matches!(of.worst, Flaw::Hole { .. });
     let (measured, holed) = (survey.displacement.is_some(), flaws().any(is_hole));
     for of in flaws().filter(|of| measured || !is_hole(of)) {
-        line("flaw", &flaw_found(&of.worst, of.count, of.first_row + 1));
+        line("flaw", &flaw_found(of, survey.too_many_holes));
     }
     // What is no measurement may be the cause of either.
     if let Some(of) = &survey.implausible {
@@ -87,7 +87,9 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>, hinders: Option<(&str, &
         line("hum", &words);
     }
     let rows = survey.rows_without_a_number;
-    if !measured && (rows > 0 || holed) {
+    if survey.too_many_holes && !(measured && holed) {
+        line("flaw", &format!("rows are missing or have no number: {TOO_MANY_HOLES}"));
+    } else if !measured && (rows > 0 || holed) {
         line("flaw", "rows are missing or have no voltage: --repair of estimate takes it to go straight on over them");
     } else if rows > 0 && !holed {
         let words = "rows without a number for the voltage or the displacement: --repair of identify leaves them out";
@@ -101,6 +103,12 @@ pub fn surveyed(survey: &Survey, refusal: Option<&str>, hinders: Option<(&str, &
         line(name, why);
     }
     lines
+}
+
+/// Whether anything of a log is doubtful that no repair takes away: it is settled before anything is learnt.
+pub fn doubtful(survey: &Survey) -> bool {
+    let Clock { hz, duration_s, .. } = survey.clock;
+    survey.implausible.is_some() || survey.ahead.is_some() || odd_clock(1.0 / hz, duration_s).is_some()
 }
 
 /// What is to be said of how a log's columns were understood.
@@ -253,9 +261,39 @@ mod tests {
     }
 
     fn said_of(log: &str) -> String {
+        surveyed(&survey_of(log), None, None).join("\n")
+    }
+
+    fn survey_of(log: &str) -> Survey {
         let file = tempfile::NamedTempFile::with_suffix(".csv").unwrap();
         std::fs::write(file.path(), log).unwrap();
-        surveyed(&survey(open(file.path(), &ReadOptions::default()).unwrap()).unwrap(), None, None).join("\n")
+        survey(open(file.path(), &ReadOptions::default()).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn a_clock_that_is_odd_and_a_stroke_that_is_are_doubtful() {
+        let of = |period_s: f64, um_per_v: f64| {
+            let rows = (0..400).map(|row| {
+                let voltage = 50.0 - 50.0 * (f64::from(row) * 0.1).cos();
+                format!("{},{voltage},{}\n", f64::from(row) * period_s, um_per_v * voltage)
+            });
+            doubtful(&survey_of(&format!("time_s,voltage_V,displacement_um\n{}", rows.collect::<String>())))
+        };
+        assert!(!of(0.01, 0.1) && of(10.0, 0.1) && of(0.01, 1e3));
+    }
+
+    #[test]
+    fn more_holes_than_a_log_may_have_are_not_said_to_be_repaired() {
+        let of = |missing: std::ops::Range<u32>| {
+            let row = |row| format!("{},{},{}\n", f64::from(row) * 1e-3, row % 100, row % 100);
+            let rows: String = (0..4000).filter(|row| !missing.contains(row)).map(row).collect();
+            said_of(&format!("time_s,voltage_V,displacement_um\n{rows}"))
+        };
+        // A tenth of what is left is 363.6 rows.
+        let (few, many) = (of(1_000..1_363), of(1_000..1_364));
+        assert!(few.contains("row 1001: --repair of identify leaves it out"), "{few}");
+        assert!(many.contains("row 1001: no log may have so many holes, and --repair does not help"), "{many}");
+        assert!(!many.contains("leaves"), "{many}");
     }
 
     #[test]

@@ -26,7 +26,7 @@ mod stillness;
 mod stroke;
 mod swings;
 
-use recordings::log::{Chosen, LogError, Reading, Remark, Row};
+use recordings::log::{Chosen, LogError, MOST_HOLES, Reading, Remark, Row};
 use serde::Serialize;
 
 pub use ahead::{Ahead, ahead};
@@ -65,6 +65,9 @@ pub struct Survey {
     pub rows: u64,
     /// Rows that have no number for the voltage or the displacement.
     pub rows_without_a_number: u64,
+    /// More rows have no number for one of them, or were never written, than a log may have: it is not read for more
+    /// than this.
+    pub too_many_holes: bool,
     /// When the rows were recorded.
     pub clock: Clock,
     /// The voltage, V, where there is one.
@@ -149,6 +152,7 @@ pub fn survey(reading: Reading<'_>) -> Result<Survey, LogError> {
         remarks,
         rows: tally.rows,
         rows_without_a_number: tally.without,
+        too_many_holes: tally.too_many_holes(clock.hz),
         implausible,
         displacement,
         displacement_estimated,
@@ -172,6 +176,8 @@ pub fn survey(reading: Reading<'_>) -> Result<Survey, LogError> {
 struct Tally {
     rows: u64,
     without: u64,
+    /// Rows without a number for the voltage, and for the displacement.
+    holes: [u64; 2],
     clock: clock::Tally,
     voltage: SeriesTally,
     displacement: SeriesTally,
@@ -182,7 +188,9 @@ struct Tally {
 
 impl Tally {
     fn row(&mut self, row: Row) {
-        self.without += u64::from([row.voltage, row.displacement].into_iter().flatten().any(f64::is_nan));
+        let none = [row.voltage, row.displacement].map(|of| of.is_some_and(f64::is_nan));
+        self.without += u64::from(none.contains(&true));
+        self.holes.iter_mut().zip(none).for_each(|(holes, none)| *holes += u64::from(none));
         self.clock.add(row.time);
         self.voltage.add(row.voltage);
         self.displacement.add(row.displacement);
@@ -194,6 +202,13 @@ impl Tally {
         }
         self.blocks.add(row.voltage.unwrap_or(f64::NAN), row.displacement.unwrap_or(f64::NAN));
         self.rows += 1;
+    }
+
+    /// Whether reading it with its holes bridged is refused, at this rate, Hz.
+    fn too_many_holes(&self, hz: f64) -> bool {
+        let gaps = self.clock.missing(hz).map(|(_, at)| ((at.to_s - at.from_s) * hz).round() + 1.0).sum::<f64>();
+        let most = self.holes.into_iter().max().unwrap_or(0) as f64;
+        gaps.max(most) > MOST_HOLES * self.rows as f64
     }
 }
 

@@ -54,7 +54,7 @@ pub fn run(arguments: &Look) -> Result<bool> {
             looked_at => looked_at?,
         };
         flawed |= found.rows_without_a_number > 0 || found.flaws.iter().flatten().any(|of| of.worst.repairable());
-        doubtful |= found.implausible.is_some() || found.ahead.is_some();
+        doubtful |= findings::doubtful(&found);
         let complete = refusal.is_none() && found.voltage.is_some();
         let learnable = complete.then(|| remedy::learnable(path, &arguments.files.options(), &found));
         flawed |= learnable.as_ref().is_some_and(|of| matches!(of, Learnable::Repaired(_)));

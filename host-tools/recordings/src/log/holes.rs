@@ -3,8 +3,8 @@
 use super::resolution::resolution;
 use std::ops::Range;
 
-/// The part of a log's rows that may be holes.
-pub(super) const FEW: f64 = 0.1;
+/// The part of a log's rows that may be holes: one with more is refused.
+pub const MOST_HOLES: f64 = 0.1;
 
 /// Puts each value that is none (NaN) on the straight line between its neighbours, in every series, and gives the rows
 /// in which any series had none. At an end the nearest value stands; a series without any stays as it is.

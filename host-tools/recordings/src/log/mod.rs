@@ -40,7 +40,7 @@ pub use columns::{Column, Columns, ColumnsError, Position};
 pub use error::LogError;
 use error::PlacedFault;
 pub use fault::Fault;
-pub use holes::bridge;
+pub use holes::{MOST_HOLES, bridge};
 pub use measurement_files::{Place, Quantity, Unit, UnknownUnit};
 pub use number::Number;
 pub use read_options::{Need, ReadOptions};

@@ -5,7 +5,7 @@ use measurement_files::{Place, Quantity, SampleTime};
 use super::channels::Channels;
 use super::error::PlacedFault;
 use super::fault::Fault;
-use super::holes::{FEW, bridge, put_back, put_stamps_back};
+use super::holes::{MOST_HOLES, bridge, put_back, put_stamps_back};
 use std::ops::Range;
 
 /// Fewest rows that make a log.
@@ -60,7 +60,7 @@ impl Recording {
             let Some(values) = values else { continue };
             let missing = values.iter().filter(|value| value.is_nan()).count();
             if let Some(first) = values.iter().position(|value| value.is_nan())
-                && missing as f64 > FEW * values.len() as f64
+                && missing as f64 > MOST_HOLES * values.len() as f64
             {
                 return Err(Fault::Holes { quantity, missing, rows: values.len() }.at(self.place(first)));
             }

@@ -6,7 +6,7 @@
 //! misplaced sample does not.
 
 use super::fault::Fault;
-use super::holes::FEW;
+use super::holes::MOST_HOLES;
 use super::number::Number;
 use super::resolution::coarsest;
 
@@ -73,7 +73,7 @@ impl<'a> Steps<'a> {
 
     /// Before which rows how many samples are missing; none where they are too many to be holes of a log.
     fn few_gaps(&self) -> Vec<(usize, usize)> {
-        let most = (FEW * self.time.len() as f64) as u64;
+        let most = (MOST_HOLES * self.time.len() as f64) as u64;
         let mut all = 0_u64;
         let unexplained = (1..self.time.len()).filter(|&k| !self.explains(k));
         let few = unexplained.filter_map(|k| Some((k, self.missing(k)?))).map(|(k, missing)| {
