@@ -199,6 +199,21 @@ fn exchanged_columns_are_the_first_doubt_and_look_asks_for_them() {
 }
 
 #[test]
+fn a_sensor_that_goes_farther_in_one_of_several_logs_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    // A displacement that is late by 0.1 s.
+    let of = |name: &str, gain: f64| {
+        let um = |k: u32| 0.3 * gain * sine((k + 180) % 200) + 0.01 * noise(k + (100.0 * gain) as u32);
+        log(folder.path(), name, COLUMNS, 2000, |k| (sine(k), um(k)))
+    };
+    let (first, second, other) = (of("first.csv", 1.0), of("second.csv", 1.01), of("other.csv", 1.1));
+    let said = |more: &Path| identified(&first, &["--devices", "0", text(&second), text(more)]);
+    let (alike, named) = (said(&of("third.csv", 0.99)), said(&other));
+    assert!(named.contains("\n- the sensor of other goes 9 % farther than the others'"), "{named}");
+    assert!(!alike.contains("- the sensor of"), "{alike}");
+}
+
+#[test]
 fn a_voltage_that_is_read_late_and_another_clock_are_doubts() {
     let folder = tempfile::tempdir().unwrap();
     let at = |seconds: f64| 20.0 - 20.0 * (3.0 * std::f64::consts::TAU * seconds).cos();

@@ -40,6 +40,14 @@ pub fn doubt(doubt: &Doubt) -> String {
             short((by_s * 1e3).abs()),
             if *by_s > 0.0 { "later" } else { "earlier" }
         ),
+        Doubt::OtherGain { log, factor } => {
+            let (percent, what) = ((100.0 * (factor - 1.0)).abs(), if *factor > 1.0 { "farther" } else { "less far" });
+            format!(
+                "the sensor of {log} goes {percent:.0} % {what} than the others' where the voltage goes as far, and the model goes in between: \
+                 has it another range, scale or mount there, or the actuator another load? Record it again as the others were, or learn \
+                 without it"
+            )
+        }
         Doubt::AtBound { gene: "delay", value } => format!(
             "`delay`, how many ticks the displacement is behind the voltage, ended at the end of its range ({value:.4}): where the sensor \
              is later, state by how much with --delay (its data sheet, or a step, says so), or have it looked for with --delay auto and \
@@ -349,6 +357,7 @@ mod tests {
             Doubt::RunsAhead { log: "f".into(), by: Ahead { percent: 9.0, loops: 5 } },
             Doubt::OutOfStep { log: "f".into(), of: OutOfStep::VoltageLate { by_s: 6e-3 } },
             Doubt::OutOfStep { log: "f".into(), of: OutOfStep::ClocksDiffer { by_s: -6e-3 } },
+            Doubt::OtherGain { log: "f".into(), factor: 0.91 },
             Doubt::Untrained { log: "g".into(), percent: 13.79, first_s: 2.0 },
             Doubt::AtBound { gene: "delay", value: 15.0 },
             Doubt::Drift { log: "h".into(), offset_um: -0.2 },

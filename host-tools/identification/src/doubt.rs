@@ -157,6 +157,13 @@ pub enum Doubt {
         /// When first, s since the log's first sample.
         first_s: f64,
     },
+    /// The sensor of a training log goes farther than those of the others where the voltage does not, or less far.
+    OtherGain {
+        /// Name of the log.
+        log: String,
+        /// By which factor.
+        factor: f64,
+    },
     /// What the model leaves of a training log hums at a frequency of the mains.
     Hums {
         /// Name of the log that hums most.

@@ -4,7 +4,7 @@ use crate::candidate::Candidate;
 use crate::cost::{Cost, Norm};
 use crate::doubt::{Converter, Doubt, FEW_REVERSALS};
 use crate::validate::statistics::mean;
-use crate::validate::{Baseline, Comparison, Figures, Trace};
+use crate::validate::{Baseline, Comparison, Figures, Trace, other_gain};
 use estimator_core::{AdcCode, DacCode, Parameters, Range};
 use log_survey::reversals::reversals;
 use log_survey::{Character, Hum, hum};
@@ -88,6 +88,8 @@ pub fn doubts(
             doubts.push(Doubt::Transient { log: comparison.name.clone(), until_s });
         }
     }
+    let gain = other_gain(candidate.training.iter().map(|log| (&*log.name, &log.trace)));
+    doubts.extend(gain.map(|(log, factor)| Doubt::OtherGain { log: log.to_owned(), factor }));
     doubts.extend(hums(&candidate.training));
     doubts.extend(unmet_condition(&candidate.table.parameters));
     if character.reversals < FEW_REVERSALS {

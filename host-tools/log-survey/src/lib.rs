@@ -39,7 +39,7 @@ pub use flaw::{Flaw, Stretch, flaws, gravest, measured, sound};
 pub use hum::{Hum, HumRead, hum};
 pub use implausible::Implausible;
 pub use noise::noise_of;
-pub use other_scale::{OtherScale, other_scale};
+pub use other_scale::{OtherScale, middle, other_scale};
 pub use reversal_curves::ReversalCurves;
 pub use rows::Found;
 pub use series::Series;
@@ -65,8 +65,7 @@ pub struct Survey {
     pub rows: u64,
     /// Rows that have no number for the voltage or the displacement.
     pub rows_without_a_number: u64,
-    /// More rows have no number for one of them, or were never written, than a log may have: it is not read for more
-    /// than this.
+    /// More rows have no number for one of them, or were never written, than a log may have: nothing is learnt from it.
     pub too_many_holes: bool,
     /// When the rows were recorded.
     pub clock: Clock,

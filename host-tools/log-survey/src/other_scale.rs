@@ -47,7 +47,7 @@ pub fn other_scale<'a>(sessions: impl Iterator<Item = &'a Session>) -> Option<Ot
 
 /// The middle one of some numbers, of an even count the geometric mean of the two, one of which may be a wrong log's;
 /// `None` of none.
-fn middle(mut of: Vec<f64>) -> Option<f64> {
+pub fn middle(mut of: Vec<f64>) -> Option<f64> {
     of.sort_by(f64::total_cmp);
     let (low, high) = (of.get(of.len().checked_sub(1)? / 2)?, of.get(of.len() / 2)?);
     Some((low * high).sqrt())
