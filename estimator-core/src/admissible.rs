@@ -24,7 +24,7 @@ pub enum Inadmissible<T: Real = f32> {
     },
     /// Some voltage and some memory draw the displacement out of its limits.
     #[error(
-        "unbounded: some sequence of reversals draws the displacement to {} … {} µm, beyond its limits: widen them",
+        "some sequence of reversals draws the displacement to {} … {} µm, beyond the table's limits: widen them",
         reach.min,
         reach.max
     )]

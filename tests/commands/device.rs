@@ -215,6 +215,13 @@ fn what_does_not_fit_is_refused_with_the_command_that_makes_it_fit() {
     let converters = pushed(&table, |of| Identity { adc_full_scale: 4095, dac_full_scale: 1023, ..of });
     let command = format!("piezo emit {table} --adc-full-scale 4095 --dac-full-scale 1023");
     assert!(converters.contains(&command), "{converters}");
+    let alone = folder.path().join("alone.bin");
+    fs::copy(Path::new(&table).with_extension("bin"), &alone).unwrap();
+    let converters = pushed(alone.to_str().unwrap(), |of| Identity { adc_full_scale: 4095, ..of });
+    assert!(
+        converters.contains("piezo emit <TABLE>.toml --adc-full-scale 4095"),
+        "no other face is there: {converters}"
+    );
     let ticks = pushed(&table, |of| Identity { tick_us: 100, ..of });
     assert!(ticks.contains(&format!("piezo emit {table} --tick-us 100 --out FOLDER")), "{ticks}");
     let other = folder.path().join("other").display().to_string();

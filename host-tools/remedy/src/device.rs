@@ -42,8 +42,7 @@ pub fn board(misfit: &Misfit, table: &Admitted, file: &Path) -> String {
         Misfit::Tick { board_us, .. }
             if table.at_tick(*board_us).is_ok_and(|table| table.admit().is_ok() && table.in_time().is_ok()) =>
         {
-            let face = in_folder(file).with_extension("toml");
-            format!("{name}: {misfit}: piezo emit {} --tick-us {board_us} --out FOLDER", face.display())
+            format!("{name}: {misfit}: piezo emit {} --tick-us {board_us} --out FOLDER", for_people(file))
         }
         Misfit::Tick { board_us, .. } => format!("{name}: {misfit}: identify with --tick-us {board_us}"),
         Misfit::Cycles { drives, .. } => format!("{name}: {misfit}: {}", too_long(*drives)),
@@ -57,10 +56,16 @@ pub fn board(misfit: &Misfit, table: &Admitted, file: &Path) -> String {
             format!(
                 "{name}: {misfit}: piezo emit {}{options} --out FOLDER (and say --adc-span and --dac-span, if you have \
                  measured them)",
-                in_folder(file).with_extension("toml").display()
+                for_people(file)
             )
         }
     }
+}
+
+/// The table for people of a table's file: beside it, where it is.
+fn for_people(file: &Path) -> String {
+    let beside = in_folder(file).with_extension("toml");
+    if beside.is_file() { beside.display().to_string() } else { "<TABLE>.toml".to_owned() }
 }
 
 /// What helps where the tick takes too long, with or without a search for the voltage.
