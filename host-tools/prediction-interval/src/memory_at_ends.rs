@@ -46,8 +46,12 @@ pub fn memory_at_ends(problem: &Problem, table: &Admitted, memory_um: f64, misfi
     starts.iter().map(|(_, needed)| *needed).fold(at_an_end.unwrap_or(UNSEEN), f64::max).max(0.0)
 }
 
-/// The voltage at which a session of such ticks begins, V, where it stands there for the first 50 ms.
+/// The voltage at which the actuator had rested before a session of such ticks, V: where nothing else is known, where
+/// the voltage stands for the first 50 ms.
 fn rest(session: &Session, tick_s: f64) -> Option<f64> {
+    if session.rested_v.is_some() {
+        return session.rested_v;
+    }
     let of = |ticks: &[f64]| Range::of_values(ticks.iter().copied());
     let begins = of(session.voltage.get(..(ZERO_WINDOW_S / tick_s).ceil() as usize)?);
     (begins.span() <= STILL * of(&session.voltage).span()).then(|| begins.middle())
@@ -59,6 +63,9 @@ fn rest(session: &Session, tick_s: f64) -> Option<f64> {
 fn off_in_first_swing(table: &Admitted, session: &Session) -> Option<f64> {
     let mut estimator = Estimator::<f64>::new(table);
     let zero = f64::from(table.voltage_zero_v);
+    if let Some(rest) = session.rested_v {
+        estimator.tick_volts(rest + zero);
+    }
     let estimates: Vec<f64> =
         session.voltage.iter().map(|voltage| estimator.tick_volts(voltage + zero).displacement).collect();
     let mut swept = Range::point(*session.voltage.first()?);
@@ -109,9 +116,11 @@ mod tests {
         first_um: f64,
         rests: u32,
         every: usize,
+        /// Part of the range that the actuator had rested at before.
+        rested: Option<f64>,
     }
 
-    const LOG: Log = Log { part: 0.0, first_um: 0.5 * M, rests: 1000, every: 1 };
+    const LOG: Log = Log { part: 0.0, first_um: 0.5 * M, rests: 1000, every: 1, rested: None };
 
     fn learnt(log: &Log, misfit_um: f64) -> f64 {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/table/models");
@@ -121,6 +130,10 @@ mod tests {
         let swing = |tick: u32| 0.5 * range.span() * (1.0 - libm::cos(0.01 * f64::from(tick))) + range.min;
         let voltage: Vec<f64> = (0..3000).map(|tick| swing(u32::saturating_sub(tick, log.rests)).max(start)).collect();
         let mut estimator = Estimator::<f64>::new(&table);
+        let rested_v = log.rested.map(|part| range.min + part * range.span());
+        if let Some(rest) = rested_v {
+            estimator.tick_volts(rest + f64::from(table.voltage_zero_v));
+        }
         let volts = voltage.iter().map(|voltage| voltage + f64::from(table.voltage_zero_v));
         let estimates = volts.map(|volts| estimator.tick_volts(volts).displacement);
         let first = |(tick, estimate)| if tick < log.rests as usize { estimate + log.first_um } else { estimate };
@@ -130,7 +143,8 @@ mod tests {
             .step_by(log.every)
             .collect();
         let instants = (0..3000).step_by(log.every).collect();
-        let session = Session::new("log".to_owned(), voltage, instants, read, table.sample_period());
+        let session =
+            Session { rested_v, ..Session::new("log".to_owned(), voltage, instants, read, table.sample_period()) };
         memory_at_ends(&Problem::new(vec![session], Vec::new(), Conditions::default()), &table, M, misfit_um)
     }
 
@@ -151,6 +165,14 @@ mod tests {
         assert!((beyond - 3.0).abs() < 0.1, "but where no memory explains it: {beyond}");
         let sound = learnt(&Log { part: 0.3, first_um: 0.1 * M, ..LOG }, 0.0);
         assert_eq!(sound, UNSEEN, "a good start between says not that an end is good");
+    }
+
+    /// With its memory of the rest the estimate is right.
+    #[test]
+    fn a_log_is_run_from_where_the_actuator_had_rested_and_says_something_of_that() {
+        let rested = |part: f64| learnt(&Log { part: 0.05, first_um: 0.0, rested: Some(part), ..LOG }, 0.0);
+        assert_eq!(rested(0.0), 0.0, "at an end nothing is open");
+        assert_eq!(rested(0.9), UNSEEN, "a good start between says not that an end is good");
     }
 
     #[test]
