@@ -97,10 +97,14 @@ impl Drive {
         table.drive.map(|drive| drive.code(drive.limits.rest_v, table.dac.full_scale))
     }
 
-    /// The slew rate of a table that has a drive.
+    /// The slew rate of a table that has a drive, and what a command's steps are longer for their rounding: of a slow
+    /// drive a thirtieth, over much of its range always to the same side, so that the output would fall behind.
     pub fn stride(table: &Admitted) -> Option<Stride> {
         let DriveCalibration { gain_codes_per_v, limits, .. } = table.drive?;
-        Some(Stride::of(gain_codes_per_v.abs() * limits.slew_v_per_s / TICK_HZ as f32))
+        let [low, high] = [limits.range_v.min, limits.range_v.max].map(|volts| (volts - table.voltage_zero_v).abs());
+        let most = limits.slew_v_per_s / TICK_HZ as f32 + f32::EPSILON * low.max(high);
+        // What is less than one of its units is cut off.
+        Some(Stride::of(gain_codes_per_v.abs() * most + 1.0 / 65_536.0))
     }
 
     /// Follows nothing and waits for [`go`](Self::go), even after a [`stop`](Self::stop). The voltage stays where it is

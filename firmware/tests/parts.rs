@@ -4,8 +4,10 @@ mod common;
 
 use common::{FACTS, LinkEnd, PERIOD, compiled, driving, started_on, triangle};
 use core::sync::atomic::Ordering::Relaxed;
-use estimator_core::{AdcCode, Admitted, DacCode};
+use estimator_core::{AdcCode, Admitted, DacCode, Status, Table};
+use firmware::drive::Drive;
 use firmware::queues::Command;
+use firmware::ramp::Slewed;
 use firmware::shaping::{DacParts, PARTS};
 use firmware::startup::Startup;
 use firmware::supply::Measured;
@@ -97,4 +99,33 @@ fn a_drive_goes_by_parts_and_never_faster_than_it_may() {
         assert!(given.0.abs_diff(before.0) <= STRIDE, "{before:?} → {given:?}");
     }
     assert_eq!(given, rest);
+}
+
+/// A tick's change of a slow voltage is rounded, over a whole range always the same way.
+#[test]
+fn what_the_dac_is_given_does_not_fall_behind_a_slow_drive() {
+    for slew_v_per_s in [0.014, 0.015, 0.02, 0.05, 0.3, 40.0] {
+        let drive = driving().drive.map(|mut drive| {
+            drive.limits.slew_v_per_s = slew_v_per_s;
+            drive
+        });
+        let table = Table { drive, ..*driving() }.admit().expect("it is gone through in ten minutes");
+        let (_, link) = fine(&table, 3300.0);
+        let (mut drive, stride) =
+            (Drive::new(&table, PARTS).expect("the table has one"), link.telemetry.stride_given());
+        let mut slewed = Slewed::at(link.telemetry.safe_given());
+        drive.go(true);
+        let mut goes_on = |up: bool| {
+            let (DacParts(wanted), status) = if up {
+                let (codes, status) = drive.excite(Some(3.6));
+                (codes.parts, status)
+            } else {
+                (drive.release().parts, Status::empty())
+            };
+            assert_eq!(slewed.step(DacParts(wanted), stride, 4), DacParts(wanted), "{slew_v_per_s} V/s");
+            if up { status.contains(Status::OUT_OF_REACH) } else { !drive.rests() }
+        };
+        while goes_on(true) {}
+        while goes_on(false) {}
+    }
 }
