@@ -3,11 +3,16 @@
 //! One odd tick is a status bit in its sample. A fault is a leaky bucket that is full: an odd tick adds [`ODD`], a good
 //! one takes 1 away, so that a voltage that is clipped for a fifth of the time is found as well as one that always is.
 //! A tick that did not come is an odd one.
-//! A fault lasts until [`HOLD`] ticks after the last cause, so that the output does not flicker between safe and wrong.
+//! A fault lasts until [`HOLD`] ticks after its last cause, so that the output does not flicker between safe and wrong.
+
+mod lasting;
+
+pub use lasting::{FaultState, HOLD};
 
 use crate::ends::Ends;
 use crate::rate::{TICK_HZ, ticks_in};
 use estimator_core::{AdcCode, Status};
+use lasting::Lasting;
 use protocol::Faults;
 
 /// Odd ticks in a row, near an end of the ADC's range, that are a fault: 10 ms.
@@ -26,8 +31,6 @@ pub const ASTRAY: u32 = ticks_in(100);
 /// Late or missed ticks in a row that are a fault of the output too: 10 ms, in one gap or in many. One alone costs the
 /// estimate one step.
 pub const MISSED: u32 = ticks_in(10);
-/// How long a fault outlasts its cause: 1 s.
-pub const HOLD: u32 = TICK_HZ;
 /// What an odd tick weighs.
 pub const ODD: u32 = 4;
 
@@ -81,8 +84,7 @@ pub struct Watch {
     out_of_range: u32,
     late_or_lost: u32,
     astray: u32,
-    found: Faults,
-    hold: u32,
+    lasting: Lasting,
 }
 
 /// Whether a score has reached its limit.
@@ -114,8 +116,7 @@ impl Watch {
             out_of_range: 0,
             late_or_lost: 0,
             astray: 0,
-            found: Faults::empty(),
-            hold: 0,
+            lasting: Lasting::new(),
         }
     }
 
@@ -124,15 +125,12 @@ impl Watch {
     /// forgets a tick's worth each tick, as one does that it follows.
     pub fn change_mode(&mut self) {
         (self.setpoint.last, self.setpoint.same, self.setpoint.saturated) = (None, 0, 0);
-        self.found.remove(Faults::SETPOINT);
-        if self.found.is_empty() {
-            self.hold = 0;
-        }
+        self.lasting.end(Faults::SETPOINT);
     }
 
     /// Whether ticks have come so late, or so seldom, that it is a fault, which lasts.
     pub fn deadline_missed(&self) -> bool {
-        self.found.contains(Faults::MISSED_DEADLINE)
+        self.lasting.found().contains(Faults::MISSED_DEADLINE)
     }
 
     /// Whether the monitor's code is at an end of the ADC's range.
@@ -143,7 +141,7 @@ impl Watch {
 
     /// Whether nothing lasts that an estimate suffers from.
     pub fn sound(&self) -> bool {
-        !self.found.harm_estimate()
+        !self.lasting.found().harm_estimate()
     }
 
     /// Takes what is seen of one tick, and says which faults last after it.
@@ -162,37 +160,7 @@ impl Watch {
         }
         now.set(Faults::MISSED_DEADLINE, score_of(&mut self.late_or_lost, late_or_lost, MISSED));
         now.set(Faults::AMPLIFIER, score(&mut self.astray, astray, ASTRAY));
-        if !now.is_empty() {
-            self.found |= now;
-            self.hold = HOLD;
-        } else if self.hold > 0 {
-            self.hold -= 1;
-            if self.hold == 0 {
-                return FaultState::Recovered(core::mem::take(&mut self.found));
-            }
-        }
-        if self.found.is_empty() { FaultState::Healthy } else { FaultState::Faulty(self.found) }
-    }
-}
-
-/// What [`Watch::update`] finds.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum FaultState {
-    /// There is no fault.
-    Healthy,
-    /// The last of these faults has passed with this tick, whose estimate is still made of what they brought.
-    Recovered(Faults),
-    /// These faults last: the output is not to be believed.
-    Faulty(Faults),
-}
-
-impl FaultState {
-    /// The faults that last at this tick.
-    pub fn lasting(self) -> Faults {
-        match self {
-            Self::Healthy => Faults::empty(),
-            Self::Recovered(faults) | Self::Faulty(faults) => faults,
-        }
+        self.lasting.update(now)
     }
 }
 

@@ -110,3 +110,49 @@ fn modes_that_are_set_again_and_again_forget_nothing_of_an_amplifier_that_goes_a
     });
     assert!(found.is_some_and(|k| k < ASTRAY + 10), "{found:?}");
 }
+
+/// Else a controller that is off for hours would have whatever befell the monitor meanwhile last as long.
+#[test]
+fn each_fault_passes_a_second_after_its_own_cause_whatever_else_lasts() {
+    for (lasting, begins_anew) in [(Faults::SETPOINT, true), (Faults::SLEW_EXCEEDED, false)] {
+        let mut watch = Watch::new(FULL);
+        let mut tick = |monitor: AdcCode| {
+            let setpoint = (lasting == Faults::SETPOINT).then_some(AdcCode(0));
+            let faults = lasting & Watch::KEPT;
+            watch.update(Seen { setpoint, faults, ..seen((monitor, GOOD, false, false)) })
+        };
+        let both = lasting | Faults::ADC_SATURATED;
+        assert_eq!((0..=SATURATED).map(|k| tick(moving(k))).last(), Some(FaultState::Faulty(lasting)));
+        assert_eq!((0..=SATURATED).map(|_| tick(AdcCode(FULL))).last(), Some(FaultState::Faulty(both)));
+        let states: Vec<FaultState> = (0..2 * HOLD).map(|k| tick(moving(k))).collect();
+        let (still, later) = states.split_at(HOLD as usize);
+        let at_its_end = if begins_anew { FaultState::Recovered(both) } else { FaultState::Faulty(both) };
+        assert!(still.iter().all(|state| state.lasting() == both) && still.last() == Some(&at_its_end));
+        assert!(later.iter().all(|state| *state == FaultState::Faulty(lasting)));
+    }
+}
+
+#[test]
+fn every_fault_that_is_found_passes() {
+    let mut watch = Watch::new(FULL);
+    let seen = |faults: Faults, bad: bool| Seen {
+        monitor: AdcCode(if bad { FULL } else { 30_000 }),
+        setpoint: bad.then_some(AdcCode(0)),
+        status: if bad { Status::VOLTAGE_OUT_OF_RANGE } else { GOOD },
+        late_or_lost: bad.into(),
+        astray: bad,
+        faults,
+    };
+    let found = (0..STUCK + OUT_OF_RANGE).map(|_| watch.update(seen(Faults::all(), true))).last();
+    let of_watch = Faults::ADC_SATURATED
+        | Faults::ADC_STUCK
+        | Faults::OUT_OF_CALIBRATION
+        | Faults::SETPOINT
+        | Faults::MISSED_DEADLINE
+        | Faults::AMPLIFIER;
+    assert_eq!(found, Some(FaultState::Faulty(of_watch | Watch::KEPT)));
+    // Scores fall by 1 a tick, and a code that moves has not stopped.
+    let good = |k: u32| Seen { monitor: moving(k), ..seen(Faults::empty(), false) };
+    let states: Vec<FaultState> = (0..ODD * OUT_OF_RANGE + 2 * HOLD).map(|k| watch.update(good(k))).collect();
+    assert_eq!(states.last(), Some(&FaultState::Healthy));
+}
