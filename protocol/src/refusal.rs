@@ -19,7 +19,7 @@ pub enum Refusal {
     /// There is no table to send.
     #[error("it has no admissible table")]
     NoTable,
-    /// There is no displacement to tell the bias by: it pauses, or has no table.
+    /// There is no displacement to tell the bias by: it pauses, or has no table, or no crystal.
     #[error("it is not estimating")]
     NotEstimating,
     /// What the displacement is to be called, or to be shifted by, cannot be true.

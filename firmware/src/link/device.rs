@@ -14,7 +14,7 @@ use crate::waveform::Points;
 use core::sync::atomic::Ordering::Relaxed;
 use embassy_time::{Duration, Instant, Timer};
 use embedded_storage_async::nor_flash::NorFlash;
-use estimator_core::{AdcCode, DriveCalibration};
+use estimator_core::{AdcCode, Admitted, DriveCalibration};
 use parameter_store::ParameterStore;
 use protocol::{Codes, Faults, LastWords, Mode, References, Refusal, Reply, Request, text};
 
@@ -187,7 +187,12 @@ impl<F: NorFlash> Device<'_, F> {
     }
 
     fn estimating(&self) -> bool {
-        self.telemetry.mode().measures() && self.chosen.table.is_some()
+        self.telemetry.mode().measures() && self.estimator().is_some()
+    }
+
+    /// The table that is estimated by: none without a clock.
+    pub(super) fn estimator(&self) -> Option<&Admitted> {
+        self.chosen.table.as_ref().filter(|_| !self.telemetry.faults().contains(Faults::CLOCK))
     }
 
     fn drive(&self) -> Option<&DriveCalibration> {

@@ -18,7 +18,7 @@ impl<F: NorFlash> Device<'_, F> {
 
     /// Hands on a command that tells the bias by a displacement, µm, and learns whether the tick has taken it.
     pub(super) async fn tell(&mut self, displacement: f32, command: Command) -> Result<(), Refusal> {
-        let table = self.chosen.table.as_ref().filter(|_| self.telemetry.mode() != Mode::Pause);
+        let table = self.estimator().filter(|_| self.telemetry.mode() != Mode::Pause);
         let span_um = table.ok_or(Refusal::NotEstimating)?.displacement_limits_um.span();
         if !(Range { min: -span_um, max: span_um }).contains(displacement) {
             return Err(Refusal::BeyondSpan { span_um });

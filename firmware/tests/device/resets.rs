@@ -69,7 +69,7 @@ fn without_its_crystal_a_device_estimates_and_drives_nothing_and_says_so() {
         let drives = table.drive.is_some();
         let refusal = if drives { Refusal::Faulty } else { Refusal::NoDrive };
         assert_eq!(bench.ask(Request::SetMode(Mode::Follow)), Reply::Refused(refusal));
-        assert_eq!(bench.ask(Request::SetZero { at_um: 0.0 }), Reply::Refused(Refusal::TooSoon));
+        assert_eq!(bench.ask(Request::SetZero { at_um: 0.0 }), Reply::Refused(Refusal::NotEstimating));
         resets(&mut bench);
     }
 }
