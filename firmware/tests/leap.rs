@@ -10,6 +10,7 @@ use firmware::leap::TOO_LONG;
 use firmware::queues::Command;
 use firmware::rate::TICK_HZ;
 use firmware::shaping::DacParts;
+use firmware::supply::Measured;
 use firmware::watch::HOLD;
 use protocol::{Faults, Mode, Sample};
 
@@ -174,6 +175,27 @@ fn no_mode_that_is_set_ends_the_fault_of_a_wire_that_is_off() {
         for k in 0..2 * HOLD {
             let (dac, sample) = bench.step(open(k));
             assert_eq!((dac, sample.faults & lasting, bench.tick.valid()), (SAFE, lasting, false), "{between:?}, {k}");
+        }
+    }
+}
+
+/// Its code leaps where the correction for the supply does.
+#[test]
+fn a_supply_that_steps_does_not_call_a_wire_back_that_is_off() {
+    let supply = |bench: &Bench, mv: f32| bench.link.telemetry.supply.publish(&Measured::of(Some(mv)));
+    for mv in [3170.0, 3430.0] {
+        let mut bench = Bench::new(&stated());
+        supply(&bench, 3300.0);
+        (0..OFF).for_each(|k| _ = bench.step(triangle(k).0));
+        (0..HOLD).for_each(|k| _ = bench.step(65_000 + (k % 2) as u16));
+        supply(&bench, mv);
+        for mode in [Mode::Pause, Mode::Estimate] {
+            bench.set(mode);
+            bench.begin();
+        }
+        for k in 0..2 * HOLD {
+            let (_, sample) = bench.step(65_000 + (k % 2) as u16);
+            assert!(sample.faults.contains(Faults::SLEW_EXCEEDED), "{mv} mV, tick {k}");
         }
     }
 }

@@ -14,7 +14,10 @@ impl Tick<'_> {
         if let Some(estimator) = &mut self.estimator {
             tick_restart(estimator);
         }
-        self.correction.restart();
+        // A code that leaps with the correction would look like the voltage of a wire that is on again.
+        if self.leap.as_ref().is_none_or(|leap| leap.faults().is_empty()) {
+            self.correction.restart();
+        }
         if let Some(leap) = &mut self.leap {
             leap.restart();
         }
