@@ -94,7 +94,7 @@ typedef struct PiezoEstimate {
   // Displacement at the next tick, µm.
   float displacement_um;
   // Half the width of its 95 % interval, µm; NaN where the table has none, the displacement was never told, or the
-  // voltage is beyond the table's range.
+  // voltage is beyond the table's range or at an end of the ADC's.
   float half_width_um;
   // The displacement as a DAC with the table's calibration takes it, right-aligned.
   uint16_t dac_code;

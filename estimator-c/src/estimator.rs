@@ -50,7 +50,7 @@ pub struct PiezoEstimate {
     /// Displacement at the next tick, µm.
     pub displacement_um: f32,
     /// Half the width of its 95 % interval, µm; NaN where the table has none, the displacement was never told, or the
-    /// voltage is beyond the table's range.
+    /// voltage is beyond the table's range or at an end of the ADC's.
     pub half_width_um: f32,
     /// The displacement as a DAC with the table's calibration takes it, right-aligned.
     pub dac_code: u16,

@@ -10,9 +10,11 @@
 //!
 //! It is `estimator-core` in `f32` and nothing else: the numbers are those of the board and of the host, bit for bit.
 //! The caller gives the memory; nothing is allocated, nothing is global, and no function waits. What may be called from
-//! an interrupt is `…_tick` and `…_release`, never at the same time as another function of the same value.
+//! an interrupt is `…_tick`, `…_tick_volts` and `…_release`, never at the same time as another function of the same
+//! value.
 //!
-//! Each function returns a [`PiezoResult`] and writes its results only where that is `PIEZO_RESULT_OK`.
+//! Each function returns a [`PiezoResult`] and writes its results only where that is `PIEZO_RESULT_OK`; the reason of a
+//! refusal is written with the refusal.
 #![cfg_attr(target_os = "none", no_std)]
 
 mod estimator;

@@ -13,7 +13,8 @@
 //!    └─ fault ─────────────────────────────────────────────────────────►┘
 //! ```
 //!
-//! A restart leads from every state to `Waiting`.
+//! A restart leads from every state to `Waiting`. With a set-point a fault stops only what is followed: what waits goes
+//! on waiting.
 
 use crate::amplifier_check::AmplifierCheck;
 use crate::ramp::Stride;

@@ -38,6 +38,7 @@ fn the_bias_is_told_at_the_next_tick_and_ages_until_the_estimate_begins_anew() {
     assert_eq!((link.telemetry.bias.um(), link.telemetry.bias.age_ticks()), (0.0, None));
 }
 
+/// Whoever has zeroed at rest wants to know where the actuator is while it is driven, not only before.
 #[test]
 fn the_estimate_and_its_zero_go_on_from_mode_to_mode_unless_something_is_wrong() {
     let table = driving();

@@ -258,7 +258,6 @@ fn fed_codes_are_no_sign_of_the_adc_s_health() {
     }
 }
 
-/// Whoever has zeroed at rest wants to know where the actuator is while it is driven, not only before.
 /// A host that sets modes again and again would otherwise never hear of it.
 #[test]
 fn a_monitor_that_stands_still_is_found_across_modes() {

@@ -13,8 +13,9 @@ pub const MAX_BATCH: usize = 32;
 /// What one tick read, estimated and put out.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Sample {
-    /// What the converter read ([`estimator_core::AdcCode`]), corrected for the supply where the board measures it;
-    /// the table's calibration makes volts of it.
+    /// The code that was estimated from ([`estimator_core::AdcCode`]), of which the table's calibration makes volts:
+    /// what the converter read, corrected for the supply where the board measures it; the last believed one where the
+    /// voltage has just leapt as the amplifier cannot.
     pub code: u16,
     /// What the converter read at the displacement sensor, on the same scale, likewise corrected; `None` where the
     /// board has no such channel, and where the code was fed ([`crate::Mode::Pil`]).

@@ -68,6 +68,7 @@ fn a_supply_that_ramps_by_a_twentieth_moves_the_estimate_by_less_than_a_thousand
     bench.board.feed(monitor);
     let fed = bench.board.record().conversions.len();
     // The estimate begins anew, on what is fed.
+    bench.does(Request::SetMode(Mode::Pause))?;
     bench.does(Request::SetMode(Mode::Estimate))?;
     bench.does(Request::Stream(true))?;
     runs(&mut bench, fed, true, |_, _| Ok(()))?;
