@@ -5,6 +5,7 @@ mod commanded;
 mod lasting;
 mod leaps;
 mod missing;
+mod railed;
 mod repair;
 mod steps;
 mod voltage;
@@ -26,6 +27,7 @@ use repair::{leave_out, mended};
 use lasting::{brief, lasting};
 use leaps::{ROWS, at_ends, glitches, least_leap, spikes};
 use missing::missing;
+use railed::{merge, railed};
 use steps::steps;
 use voltage::{voltage_spikes, without};
 
@@ -44,8 +46,8 @@ pub enum Flaw {
         /// It leaps back; else it is where the log begins or ends.
         back: bool,
     },
-    /// The displacement is one number while the voltage moves: a sensor that was off, beyond its range, or
-    /// read too slowly.
+    /// The displacement is one number while the voltage moves, or within a narrow band at its highest or lowest: a
+    /// sensor that was off, beyond its range, or read too slowly.
     Frozen {
         /// The rows that it takes.
         #[serde(flatten)]
@@ -202,8 +204,12 @@ pub(crate) fn in_rows(voltage: &[f64], displacement: &[f64], start_s: f64, perio
     let spike = |&(first, last, leap_um): &_| Flaw::Spike { at: at(first, last), leap_um, back: true };
     let mut found: Vec<Flaw> =
         end_spike(start).into_iter().chain(inside.iter().map(spike)).chain(end_spike(end)).collect();
+    let mut still = railed(voltage, &between, MOVES * volts, stroke);
+    still.extend(frozen(voltage, displacement));
+    merge(&mut still);
     found.extend(
-        frozen(voltage, displacement)
+        still
+            .into_iter()
             .map(|(first, last)| Flaw::Frozen { at: at(first, last), voltage_v: extent(&voltage[first..=last]) }),
     );
     let (low, high) = ends(voltage);

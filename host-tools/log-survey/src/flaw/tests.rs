@@ -138,6 +138,27 @@ fn a_sensor_that_stands_still_or_is_cut_off_is_found_and_so_is_a_voltage() {
     assert!(!found.is_empty() && found.iter().all(|flaw| matches!(flaw, Flaw::Clipped { voltage_v: 12.0, .. })));
 }
 
+/// As an amplifier at its rail is read by a converter, which has steps and noise of its own.
+#[test]
+fn a_sensor_that_is_cut_off_at_either_end_is_found_beneath_its_noise() {
+    let whole = log();
+    let (low, high) = ends(whole.displacement.as_ref().unwrap());
+    let step = 1e-4 * (high - low);
+    for (least, most) in [(low, 0.7 * high), (0.7 * low, high)] {
+        let cut = changed(|row, v, y| (v, y.clamp(least, most) + step * (row * 7 % 5) as f64));
+        let found = flaws(&cut);
+        assert!(!found.is_empty(), "{least} … {most} µm");
+        for flaw in found {
+            let Flaw::Frozen { at, voltage_v } = flaw else { panic!("{flaw:?}") };
+            let row = |time: f64| (time / whole.sample_period).round() as usize;
+            let sound = &whole.displacement.as_ref().unwrap()[row(at.from_s)..=row(at.to_s)];
+            let beyond = sound.iter().filter(|y| !(least..=most).contains(*y)).count();
+            assert!(voltage_v > 1.0 && 10 * beyond > 8 * sound.len(), "{flaw:?}: {beyond} of {}", sound.len());
+        }
+    }
+    assert_eq!(flaws(&changed(|row, v, y| (v, y + step * (row * 7 % 5) as f64))), []);
+}
+
 #[test]
 fn a_hold_after_which_the_actuator_rings_is_none() {
     let rings = |row: usize| 40.0 - 40.0 * libm::exp(-(row as f64) / 60.0) * libm::cos(row as f64 * 0.3);
