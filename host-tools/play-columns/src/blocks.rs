@@ -16,7 +16,7 @@
 
 use crate::basis::FUNCTIONS;
 use crate::course::Course;
-use crate::priors::{Bend, Prior, bends};
+use crate::priors::{Bend, Prior, Scale, bends};
 use crate::{CREEP_TIMES, WORTH};
 use least_squares::{Normal, Sign, Waiting};
 use nalgebra::{DMatrix, DVector};
@@ -67,8 +67,7 @@ pub struct Blocks {
     common: usize,
     /// So many functions of [`FUNCTIONS`] coefficients each are the first of the common columns.
     functions: usize,
-    /// Of the sessions' strokes, µm.
-    stroke: f64,
+    scale: Scale,
     /// Time constants, in ticks, of the decays that each session begins with.
     decays: Vec<Vec<f64>>,
     blocks: Vec<Block>,
@@ -97,11 +96,11 @@ impl Rows<'_> {
 
 impl Blocks {
     /// For sessions that have the columns of so many functions and so many others in common, beside those that each has
-    /// for itself, and a stroke (µm).
-    pub fn new(functions: usize, others: usize, sessions: &[(&Session, &Course)], stroke: f64) -> Self {
+    /// for itself.
+    pub fn new(functions: usize, others: usize, sessions: &[(&Session, &Course)], scale: Scale) -> Self {
         let common = functions * FUNCTIONS + others;
         let decays = sessions.iter().map(|(session, course)| if course.at_rest { Vec::new() } else { decays(session) });
-        Self { common, functions, stroke, decays: decays.collect(), blocks: Vec::new() }
+        Self { common, functions, scale, decays: decays.collect(), blocks: Vec::new() }
     }
 
     /// Where the readings of a session go, by its number.
@@ -119,7 +118,7 @@ impl Blocks {
         let (sessions, decays) = (self.decays.len(), self.decays.iter().map(Vec::len).sum::<usize>());
         let columns = self.common + sessions + decays;
         let signs = [vec![Sign::NonNegative; self.common], vec![Sign::Free; sessions + decays]].concat();
-        let scale = DECAY * self.stroke;
+        let scale = DECAY * self.scale.stroke;
         let mut weights: Vec<f64> = self.blocks.iter().map(|block| block.share).collect();
         let mut balanced = Balanced {
             coefficients: vec![0.0; columns],
@@ -165,7 +164,7 @@ impl Blocks {
         let (common, own) = found.coefficients.split_at(first);
         let coefficients = [common, &vec![0.0; last], own].concat();
         let decays = self.common + self.decays.len()..coefficients.len();
-        let scale = DECAY * self.stroke;
+        let scale = DECAY * self.scale.stroke;
         let mut solved = self.weighed(&found.weights);
         for column in decays.clone() {
             draw(column, scale.hypot(coefficients[column])).add(&mut solved);
@@ -191,7 +190,7 @@ impl Blocks {
 
     /// What the functions' slopes bend by.
     fn bends(&self) -> impl Iterator<Item = Bend> {
-        bends(self.functions, self.stroke)
+        bends(self.functions, self.scale)
     }
 
     /// The rows of all blocks, those of each weighing so much together.
@@ -222,7 +221,7 @@ impl Blocks {
 
     /// The least mean square error that a block is believed to have, µm².
     fn least(&self) -> f64 {
-        (LEAST * self.stroke) * (LEAST * self.stroke)
+        (LEAST * self.scale.stroke) * (LEAST * self.scale.stroke)
     }
 
     /// The mean square error that each block is believed to have, µm².
@@ -237,7 +236,7 @@ impl Blocks {
 
 /// What draws a decay towards 0.
 fn draw(column: usize, within: f64) -> Prior {
-    Prior { column, towards: 0.0, within, weight: 2.0 / WORTH }
+    Prior { column, less: None, towards: 0.0, within, weight: 2.0 / WORTH }
 }
 
 /// Time constants, in ticks, of the decays that a session may begin with.

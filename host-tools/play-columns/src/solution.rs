@@ -4,6 +4,7 @@ use crate::basis::FUNCTIONS;
 use crate::blocks::{Balanced, Blocks};
 use crate::columns::Stages;
 use crate::course::Course;
+use crate::priors::Scale;
 use recordings::session::Session;
 
 /// The weights that fit the sessions best, for one shape of the plays.
@@ -31,10 +32,10 @@ impl Solution {
     }
 }
 
-/// The coefficients that fit sessions best, each on its course; their stroke is `stroke` µm. `floor` is the least slope
-/// of the reversible part, µm/V; `None` where they have none.
-pub fn solve(sessions: &[(&Session, &Course)], stages: &Stages<'_>, stroke: f64, floor: f64) -> Option<Solution> {
-    let mut blocks = Blocks::new(2, 0, sessions, stroke);
+/// The coefficients that fit sessions best, each on its course; `None` where they have none. `floor` is the least slope
+/// of the reversible part, µm/V.
+pub fn solve(sessions: &[(&Session, &Course)], stages: &Stages<'_>, scale: Scale, floor: f64) -> Option<Solution> {
+    let mut blocks = Blocks::new(2, 0, sessions, scale);
     for (number, (session, course)) in sessions.iter().enumerate() {
         let mut rows = blocks.of(number);
         stages.walk(session, course, |index, columns: &[_; 2], input| {

@@ -4,14 +4,15 @@
 use crate::problem::Problem;
 use crate::search::Gene;
 use estimator_core::Range;
-use play_columns::{Basis, CREEP_TIMES, Course, Stages, WORTH};
+use log_survey::Character;
+use play_columns::{Basis, CREEPS, Course, PLAYS, Scale, Stages, WORTH};
 use recordings::session::Session;
 use std::sync::Arc;
 
-/// Play operators beside the reversible part.
-pub const PLAYS: usize = 15;
 /// The longest delay that is searched, ticks.
 pub const LONGEST_DELAY: f64 = 15.0;
+/// The longest lag behind it, ticks.
+pub const LONGEST_LAG: f64 = 100.0;
 /// The smallest half-width, of half the span.
 const NARROWEST: f64 = 0.02;
 /// Least slope of the reversible part, of the stroke over the span: without any the inverse has no unique answer.
@@ -38,6 +39,8 @@ const SUSTAINED_S: f64 = 0.1;
 pub const SLEW: &str = "slew";
 /// The searched coordinate of which a log that begins amid a swing says nothing.
 pub const MEMORY: &str = "memory";
+/// The searched coordinates that freed gains take the place of.
+pub const CREEP: [&str; 2] = ["creep_fast", "creep_slow"];
 /// The slowest slew limit that is searched, of that.
 const SLOWEST: f64 = 0.05;
 
@@ -58,7 +61,9 @@ pub struct Family {
     pub span: Range<f64>,
     /// Half-widths, V, and Δr_i/R.
     pub plays: [(f64, f64); PLAYS],
-    pub stroke: f64,
+    pub scale: Scale,
+    /// Creep gains that several frequencies tell from a loop's width are freed in the end.
+    pub frees_creep: bool,
     pub tick: f64,
     /// The least from one reading of a session to the next, s.
     pub interval_s: f64,
@@ -73,8 +78,8 @@ pub struct Values {
     pub lag_s: f64,
     /// How slowly weights fall with the half-width r: exp(−r/(ρ·radius)).
     pub law: f64,
-    /// Gains of the fastest and of the slowest creep.
-    pub creep: [f64; 2],
+    /// Gains of the creep elements, fastest first.
+    pub gains: [f64; CREEPS],
     pub rest_memory: f64,
     pub slew_v_per_s: f64,
     /// Hz and ζ; 0 without.
@@ -85,7 +90,7 @@ impl Values {
     /// Minus twice the logarithm of the prior, for each of the periods that a recording is worth. `said_s`: what delay
     /// and lag are together, where somebody says so.
     pub fn unlikely(&self, tick: f64, said_s: Option<f64>) -> f64 {
-        let [fast, slow] = self.creep.map(libm::log);
+        let [fast, slow] = [self.gains[0], self.gains[CREEPS - 1]].map(libm::log);
         let square = |x: f64| x * x;
         let late_s = self.delay_ticks * tick + self.lag_s;
         let longer = libm::log(late_s / LATE);
@@ -101,6 +106,7 @@ impl Values {
 
 impl Family {
     pub fn new(extra: Extra, courses: Arc<[Course]>, problem: &Problem) -> Self {
+        let character = Character::of(problem.training(), problem.deadband);
         let tick = problem.extent().tick;
         let span = problem.training_voltages();
         let radius = 0.5 * span.span();
@@ -112,7 +118,8 @@ impl Family {
             basis: Basis::new(span),
             span,
             plays: std::array::from_fn(|i| (radius * half_width(i), half_width(i) - before(i))),
-            stroke: problem.stroke().span(),
+            scale: Scale { stroke: problem.stroke().span(), several_amplitudes: !character.single_amplitude() },
+            frees_creep: !character.single_frequency(),
             tick,
             interval_s: problem.training().map(Session::interval_s).fold(f64::INFINITY, f64::min).max(tick),
             slews: slews(problem, tick),
@@ -123,10 +130,10 @@ impl Family {
     pub fn searched(&self) -> Vec<Gene> {
         let mut genes = vec![
             Gene::linear("delay", "delay from voltage to actuator", "ticks", 0.0, LONGEST_DELAY),
-            Gene::logarithmic("lag", "first-order lag", "ticks", 0.1, 100.0),
+            Gene::logarithmic("lag", "first-order lag", "ticks", 0.1, LONGEST_LAG),
             Gene::logarithmic("rho", "half-width at which the plays weigh 1/e, of half the span", "", 0.05, 5.0),
-            Gene::logarithmic("creep_fast", "gain of the creep in 0.01 s", "", 1e-4, 0.3),
-            Gene::logarithmic("creep_slow", "gain of the creep in 100 s", "", 1e-4, 0.3),
+            Gene::logarithmic(CREEP[0], "gain of the creep in 0.01 s", "", 1e-4, 0.3),
+            Gene::logarithmic(CREEP[1], "gain of the creep in 100 s", "", 1e-4, 0.3),
             Gene::linear(MEMORY, "memory at rest", "", 0.0, 1.0),
         ];
         if self.extra != Extra::Nothing {
@@ -147,7 +154,7 @@ impl Family {
             delay_ticks: next()?,
             lag_s: next()? * self.tick,
             law: next()?,
-            creep: [next()?, next()?],
+            gains: gains([next()?, next()?]),
             rest_memory: next()?,
             slew_v_per_s: if self.extra == Extra::Nothing { 0.0 } else { next()? },
             resonance: if self.extra == Extra::Resonance { [next()?, next()?] } else { [0.0, 0.0] },
@@ -175,17 +182,8 @@ impl Family {
         self.weighed(values.law).map(|(_, weight)| weight)
     }
 
-    /// The gain of each creep element, between the fastest's and the slowest's.
-    pub fn creep(&self, [fast, slow]: [f64; 2]) -> [(f64, f64); CREEP_TIMES.len()] {
-        let last = (CREEP_TIMES.len() - 1) as f64;
-        std::array::from_fn(|i| {
-            let part = i as f64 / last;
-            (CREEP_TIMES[i], (1.0 - part) * fast + part * slow)
-        })
-    }
-
     pub fn least_slope(&self) -> f64 {
-        FLOOR * self.stroke / self.span.span()
+        FLOOR * self.scale.stroke / self.span.span()
     }
 
     pub fn stages<'a>(&'a self, values: &Values, plays: &'a [(f64, f64)], creep: &'a [(f64, f64)]) -> Stages<'a> {
@@ -202,6 +200,14 @@ impl Family {
             resonance: (hertz > 0.0).then_some((hertz, damping)),
         }
     }
+}
+
+/// The gain of each creep element, evenly between the fastest's and the slowest's.
+fn gains([fast, slow]: [f64; 2]) -> [f64; CREEPS] {
+    std::array::from_fn(|i| {
+        let part = i as f64 / (CREEPS - 1) as f64;
+        (1.0 - part) * fast + part * slow
+    })
 }
 
 /// Slew limits that are searched, V/s. The least is a part of what the training's voltage does in a tenth of a second,

@@ -13,7 +13,7 @@ use super::candidate::{Family, Values};
 use crate::problem::Problem;
 use crate::search::Quadratic;
 use nalgebra::{DMatrix, DVector};
-use play_columns::{Blocks, Course, FUNCTIONS};
+use play_columns::{Blocks, Course, FUNCTIONS, creep};
 use rayon::prelude::*;
 use recordings::session::Session;
 
@@ -62,7 +62,7 @@ pub fn quadratic(family: &Family, at: &[f64], problem: &Problem) -> Option<Quadr
 
 /// Every session's readings, a walk each.
 fn read(family: &Family, values: &Values, sessions: &[(&Session, &Course)]) -> Vec<Readings> {
-    let (plays, creep) = (family.weighed(values.law), family.creep(values.creep));
+    let (plays, creep) = (family.weighed(values.law), creep(values.gains));
     let stages = family.stages(values, &plays, &creep);
     let of = |(session, course): &(&Session, &Course)| {
         let count = course.readings.len();
@@ -78,7 +78,7 @@ fn read(family: &Family, values: &Values, sessions: &[(&Session, &Course)]) -> V
 
 /// The least squares of the readings' columns and, behind those, of changes: one list a session for each.
 fn blocks(family: &Family, sessions: &[(&Session, &Course)], read: &[Readings], changes: &[Vec<Vec<f64>>]) -> Blocks {
-    let mut blocks = Blocks::new(2, changes.len(), sessions, family.stroke);
+    let mut blocks = Blocks::new(2, changes.len(), sessions, family.scale);
     let mut row = Vec::new();
     for (number, ((session, course), read)) in sessions.iter().zip(read).enumerate() {
         let mut rows = blocks.of(number);

@@ -3,26 +3,25 @@
 //! are solved for.
 //!
 //! One law over the half-widths, a_i = exp(−r_i/(ρR))·Δr_i/R, is what makes a recording of one amplitude say something
-//! of others. The search knows no other weights; those of its best candidate are then [freed] from the law as far as
-//! the logs say so. What one recording cannot tell apart is drawn towards what actuators are like.
+//! of others. The search knows no other weights; those of its best candidate are then [freed](play_columns::freed) as
+//! far as the logs say so. What one recording cannot tell apart is drawn towards what actuators are like.
 
 mod candidate;
 mod curvature;
-mod freed;
 mod late;
 
-pub use candidate::LONGEST_DELAY;
+pub use candidate::{LONGEST_DELAY, LONGEST_LAG};
 pub use late::Late;
 
 use super::AnyFamily;
 use crate::cost::{Cost, Feedback};
 use crate::problem::Problem;
 use crate::search::{Gene, Quadratic, halved, scaled};
-use candidate::{Extra, Family, MEMORY, PLAYS, SLEW, Values};
+use candidate::{CREEP, Extra, Family, MEMORY, SLEW, Values};
 use estimator_core::{GeneralisedPrandtlIshlinskiiParameters, List, Parameters, Published, Range};
-use freed::{Freed, freed};
 use log_survey::Character;
-use play_columns::{CREEP_TIMES, Course, FUNCTIONS, Solution, solve};
+use play_columns::{CREEP_TIMES, CREEPS, Course, FUNCTIONS, Freed, PLAYS, Solution, creep, freed, solve};
+use recordings::session::Session;
 use std::sync::Arc;
 
 /// The shortest of delay and lag together that is tried beside freed weights, ticks.
@@ -56,8 +55,20 @@ pub fn structures(problem: &Problem) -> Vec<AnyFamily> {
 impl Family {
     fn solve(&self, values: &Values, problem: &Problem) -> Option<Solution> {
         let sessions = self.sessions(problem);
-        let (plays, creep) = (self.weighed(values.law), self.creep(values.creep));
-        solve(&sessions, &self.stages(values, &plays, &creep), self.stroke, self.least_slope())
+        let (plays, creep) = (self.weighed(values.law), creep(values.gains));
+        solve(&sessions, &self.stages(values, &plays, &creep), self.scale, self.least_slope())
+    }
+
+    /// Weights, sought `from` these on, and where it `creeps` the gains of the creep, as the logs have them.
+    fn freed(
+        &self,
+        values: &Values,
+        from: [f64; PLAYS],
+        sessions: &[(&Session, &Course)],
+        creeps: bool,
+    ) -> Option<Freed> {
+        let (plays, creep) = (self.weighed(values.law), creep(values.gains));
+        freed(sessions, &self.stages(values, &plays, &creep), from, self.scale, self.least_slope(), creeps)
     }
 
     /// The same without a slew limit that makes the fit hardly better: one that did not act in the training would cut
@@ -73,12 +84,16 @@ impl Family {
     }
 
     /// The model whose plays weigh so much.
-    fn parameters(&self, values: &Values, weights: [f64; PLAYS], solution: &Solution) -> Option<Parameters> {
+    fn parameters(
+        &self,
+        values: &Values,
+        (weights, gains): ([f64; PLAYS], [f64; CREEPS]),
+        solution: &Solution,
+    ) -> Option<Parameters> {
         let floor = self.least_slope();
         let slopes = |coefficients: &[f64], floor: f64| {
             List::collect(self.basis.slopes(coefficients).map(|slope| (slope + floor).max(0.0) as f32))
         };
-        let creep = self.creep(values.creep);
         let [hertz, damping] = values.resonance;
         let span_v = Range { min: self.span.min as f32, max: self.span.max as f32 };
         // Its ends are rounded, so that half of it may be less than what half of the span is rounded to.
@@ -96,7 +111,7 @@ impl Family {
             half_widths_v: List::collect(self.plays.map(half_width))?,
             weights: List::collect(weights.map(|weight| weight as f32))?,
             creep_times_s: List::collect(CREEP_TIMES.map(|time| time as f32))?,
-            creep_gains: List::collect(creep.map(|(_, gain)| gain as f32))?,
+            creep_gains: List::collect(gains.map(|gain| gain as f32))?,
             rest_memory: values.rest_memory as f32,
             offset_um: solution.offset as f32,
         };
@@ -120,7 +135,7 @@ impl super::Family for Family {
     fn candidate(&self, values: &[f64], problem: &Problem, _cost: Cost) -> Option<(Parameters, f64)> {
         let values = self.values(values)?;
         let solution = self.solve(&values, problem)?;
-        let found = self.parameters(&values, self.law(&values), &solution)?;
+        let found = self.parameters(&values, (self.law(&values), values.gains), &solution)?;
         Some((found, libm::exp(0.5 * (solution.total + values.unlikely(self.tick, problem.lag_s)))))
     }
 
@@ -130,7 +145,8 @@ impl super::Family for Family {
 
     /// Without what did not act, and with weights freed from the law, where the logs give any. What the law misses
     /// looks like a lag and a memory at rest: both are found once more beside weights of their own. Logs of which none
-    /// begins at rest say nothing of that memory, and it is the one between a rise's and a fall's.
+    /// begins at rest say nothing of that memory, and it is the one between a rise's and a fall's. In the end the gains
+    /// of the creep are freed, too: of one frequency they are what its loop is wide by.
     fn finish(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
         let sessions = self.sessions(problem);
         let (rests, mut values) = (self.rests(), self.values(values)?);
@@ -138,14 +154,15 @@ impl super::Family for Family {
             values.rest_memory = 0.0;
         }
         let values = self.without_idle_limit(values, problem)?;
-        let several = !Character::of(problem.training(), problem.deadband).single_amplitude();
         let law = self.solve(&values, problem)?;
         let tried = |values: Values| {
-            let freed = freed(self, &values, &law, &sessions, several)?;
-            let cost = freed.solution.total + values.unlikely(self.tick, problem.lag_s);
+            let freed = self.freed(&values, self.law(&values), &sessions, false)?;
+            let cost = freed.cost + values.unlikely(self.tick, problem.lag_s);
             Some((Tried { values, freed, cost }, cost))
         };
-        let Some((mut best, _)) = tried(values) else { return self.parameters(&values, self.law(&values), &law) };
+        let Some((mut best, _)) = tried(values) else {
+            return self.parameters(&values, (self.law(&values), values.gains), &law);
+        };
         // Either is found at what the other was, until that gains no more.
         for turn in 0..ROUNDS {
             let before = best.cost;
@@ -155,7 +172,11 @@ impl super::Family for Family {
                 break;
             }
         }
-        self.parameters(&best.values, best.freed.weights, &best.freed.solution)
+        let mut of = best.freed;
+        if self.frees_creep {
+            of = self.freed(&best.values, of.weights, &sessions, true).unwrap_or(of);
+        }
+        self.parameters(&best.values, (of.weights, of.gains), &of.solution)
     }
 
     fn has(&self, gene: &Gene, found: &Parameters) -> bool {
@@ -163,6 +184,7 @@ impl super::Family for Family {
         match gene.name {
             SLEW => of.slew_v_per_s > 0.0,
             MEMORY => self.rests(),
+            name if CREEP.contains(&name) => !self.frees_creep,
             _ => true,
         }
     }
@@ -176,7 +198,7 @@ impl super::Family for Family {
     }
 
     fn solved(&self, _found: &Parameters) -> usize {
-        2 * FUNCTIONS + PLAYS + ["offset"].len()
+        2 * FUNCTIONS + PLAYS + ["offset"].len() + if self.frees_creep { CREEPS } else { 0 }
     }
 }
 
@@ -208,5 +230,7 @@ fn remembering(values: &Values, turn: usize, tried: impl Fn(Values) -> Option<(T
     halved(&points, turns, |rest_memory| tried(Values { rest_memory, ..*values }))
 }
 
+#[cfg(test)]
+mod freed_tests;
 #[cfg(test)]
 mod tests;

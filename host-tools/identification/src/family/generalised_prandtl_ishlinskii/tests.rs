@@ -41,13 +41,13 @@ fn what_is_found_is_what_the_model_runs() {
     let mut solution = family.solve(&values, &problem).unwrap();
     solution.reversible = vec![0.5, 0.1, 0.4, 0.0, 0.3, 0.2, 0.6, 0.1, 0.3];
     solution.envelope = vec![1.0, 3.0, 0.0, 2.0, 5.0, 0.0, 1.0, 2.0, 1.0];
-    let found = family.parameters(&values, family.law(&values), &solution).unwrap();
+    let found = family.parameters(&values, (family.law(&values), values.gains), &solution).unwrap();
     let discretisation =
         Discretisation { sample_period: 5e-4, scheme: Scheme::ForwardEuler, deadband: problem.deadband };
     let mut model = found.build::<f64>(&discretisation);
     let displaced: Vec<f64> = sessions[0].voltage.iter().map(|&v| model.step(v, None)).collect();
     let weighed = family.weighed(values.law);
-    let creep = family.creep(values.creep);
+    let creep = creep(values.gains);
     let stages = family.stages(&values, &weighed, &creep);
     let coefficients = [&solution.reversible[..], &solution.envelope].concat();
     let stroke = Range::of_values(displaced.iter().copied()).span();
@@ -151,7 +151,7 @@ fn voltages_are_no_reason_to_find_nothing_whatever_they_are_rounded_to() {
         let values = family.values(&[1.0, 2.0, 0.5, 0.02, 0.03, 0.4]).unwrap();
         let solution =
             Solution { reversible: vec![1.0; FUNCTIONS], envelope: vec![1.0; FUNCTIONS], offset: 0.0, total: 0.0 };
-        let found = family.parameters(&values, family.law(&values), &solution);
+        let found = family.parameters(&values, (family.law(&values), values.gains), &solution);
         assert!(found.is_some(), "{:?} V", family.span);
     }
 }
@@ -167,7 +167,7 @@ fn a_course_of_few_readings_gives_the_columns_of_the_whole() {
     for (extra, most) in [(Extra::Nothing, 5e-3), (Extra::Resonance, 1e-2)] {
         let family = Family::new(extra, Arc::new([]), &problem);
         let values = family.values(&[3.4, 2.0, 0.5, 0.02, 0.03, 0.4, 1e6, 60.0, 0.05]).unwrap();
-        let (plays, creep) = (family.weighed(values.law), family.creep(values.creep));
+        let (plays, creep) = (family.weighed(values.law), creep(values.gains));
         let stages = family.stages(&values, &plays, &creep);
         let mut sums = vec![0.0; session.instants.len()];
         let sum = |columns: &[[f64; FUNCTIONS]; 2]| columns.as_flattened().iter().sum::<f64>();
