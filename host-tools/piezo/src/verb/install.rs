@@ -82,7 +82,9 @@ pub fn run(arguments: &Install) -> Result<bool> {
         .iter()
         .for_each(|mismatch| eprintln!("piezo: careful: {}", remedy::mismatch(mismatch)));
     let driven = arguments.range.map(ordered).or(facts.range_v()).filter(|_| !arguments.line);
-    let other = driven.and_then(|driven| OtherRange::of(&table, driven)).as_ref().map(remedy::other_range);
+    let other = driven.and_then(|driven| OtherRange::of(&table, driven));
+    doubts.extend(other.as_ref().filter(|of| of.common().is_none()).map(remedy::other_range));
+    let other = other.as_ref().filter(|of| of.common().is_some()).map(remedy::other_range);
     let narrow = remedy::narrow(&table).filter(|_| !arguments.line);
     let may = arguments.narrow || arguments.of_learn;
     if let Some(narrow) = narrow.as_ref().filter(|_| !may && !arguments.dry_run) {
@@ -92,8 +94,7 @@ pub fn run(arguments: &Install) -> Result<bool> {
     narrow.iter().chain(&other).chain(&of_wire).for_each(|careful| eprintln!("piezo: careful: {careful}"));
     // The straight line was asked for by name, and what learn's part before has just said is not said again.
     let may_doubt = arguments.doubts.doubted || arguments.line;
-    let said = if arguments.of_learn { &[] } else { &doubts[..] };
-    let doubted = device::doubted(&name, said, may_doubt, arguments.dry_run)?;
+    let doubted = device::doubted(&name, if arguments.of_learn { &[] } else { &doubts }, may_doubt, arguments.dry_run)?;
     doubts.extend(of_wire);
     let busy = match arguments.of_learn {
         // Its session found the device idle, and left it as it starts.
