@@ -183,7 +183,9 @@ fn a_lag_that_is_stated_is_kept_to() {
         let found = late(&ms.to_string());
         assert!((found - ms).abs() < 0.1 * ms, "{found} ms, not {ms} ms");
     }
-    refused(&["identify", MEASURED, "--lag", "-3", "--out", text(folder.path())], &["--lag"]);
+    let out = text(folder.path());
+    refused(&["identify", MEASURED, "--lag", "-3", "--out", out], &["--lag"]);
+    refused(&["identify", MEASURED, "--lag", "5000", "--out", out], &["5000 ms", "57.5 ms", "--lag takes ms"]);
 }
 
 #[test]

@@ -6,6 +6,7 @@ use crate::cost::Cost;
 use crate::delay;
 use crate::division::Parts;
 use crate::doubt::Doubt;
+use crate::family::{LONGEST_DELAY, LONGEST_LAG};
 use crate::fit::{Identification, Progress};
 use crate::job_error::JobError;
 use crate::learnt::Learnt;
@@ -113,6 +114,10 @@ impl Job {
         let of_training: Vec<Vec<Flaw>> = training.iter().map(flaws).collect();
         let rows = training.iter().zip(&of_training).map(|(log, flaws)| sound(log, flaws));
         let mut recipe = self.prepare.resolve(&rows.collect::<Vec<_>>());
+        let longest_s = (LONGEST_DELAY + LONGEST_LAG) * recipe.tick_s();
+        if let Some(lag_s) = self.conditions.lag_s.filter(|lag_s| *lag_s > longest_s) {
+            return Err(JobError::LagTooLong { lag_s, longest_s });
+        }
         let estimated = match (self.prepare.delay, known_delay_ticks) {
             (AutoOr::Auto, None) => {
                 let (of, seed) = (self.conditions, self.search.seed);

@@ -43,6 +43,14 @@ pub enum JobError {
         /// The part is held out, not fitted to.
         held_out: bool,
     },
+    /// The lag that was stated is longer than any that is searched.
+    #[error("a lag of {} ms is longer than any that is searched, {} ms", 1e3 * lag_s, 1e3 * longest_s)]
+    LagTooLong {
+        /// What was stated, s.
+        lag_s: f64,
+        /// The longest delay and the longest lag together, s.
+        longest_s: f64,
+    },
     /// The displacement falls while the voltage rises.
     #[error("{log}: the displacement falls while the voltage rises")]
     FallsWithVoltage {

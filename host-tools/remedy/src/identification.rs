@@ -103,17 +103,20 @@ fn job(error: &JobError) -> String {
             "{error}: choose another part with --hold-out, --skip-start and --skip-end, or hold out another log with \
              --validate-on"
         ),
+        JobError::LagTooLong { .. } => {
+            format!("{error}: --lag takes ms; what of it is the sensor's is stated by --delay")
+        }
         JobError::FallsWithVoltage { .. } => {
             const SCALE: &str = "--displacement-scale";
             // What was typed has been applied.
-            let stated = value(SCALE).and_then(|typed| typed.parse::<f64>().ok()).unwrap_or(1.0);
-            let turned = (-stated).to_string();
+            let turned = |scale| -value(scale).and_then(|typed| typed.parse::<f64>().ok()).unwrap_or(1.0);
+            let (volts, turned) = (turned("--voltage-scale"), turned(SCALE).to_string());
             let turn = match verb("identify") || verb("compare") {
                 true => with(Path::new(""), &[(SCALE, &turned)]),
                 false => format!(" give identify {SCALE} {turned}"),
             };
             format!(
-                "{error}: are the columns the right ones? If the voltage is inverted give --voltage-scale -1; if the sensor is mounted the other \
+                "{error}: are the columns the right ones? If the voltage is inverted give --voltage-scale {volts}; if the sensor is mounted the other \
                  way{turn}"
             )
         }

@@ -15,7 +15,7 @@ mod reversal_curves;
 pub mod voigt;
 mod voigt_chain;
 
-pub(crate) use generalised_prandtl_ishlinskii::{LONGEST_DELAY, Late};
+pub(crate) use generalised_prandtl_ishlinskii::{LONGEST_DELAY, LONGEST_LAG, Late};
 pub use model_family::{AnyFamily, Family};
 pub use narx::{BlackBoxInputs, structures_with as black_boxes};
 pub use projection::Projection;
