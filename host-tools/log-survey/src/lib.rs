@@ -1,8 +1,9 @@
 //! What a log holds, before anything is fitted to it: its rate, the ranges and the noise of what was recorded, where it
 //! stands still, and which amplitudes it has at which frequencies.
 //!
-//! A log passes by once and is not kept: [`survey`] needs at most some 150 MB however long it is. Of a log with more
-//! than 2¹⁸ rows, neighbouring rows are kept as their extremes, and of one with more than 2²² no flaws are looked for.
+//! A log passes by once: [`survey`] needs at most some 450 MB however long it is. Of a log with more than 2¹⁸ rows,
+//! neighbouring rows are kept as their extremes, and of one with more than 2²² no flaws are looked for, which takes
+//! 100 MB.
 
 mod ahead;
 mod blocks;
