@@ -95,8 +95,7 @@ impl Rows<'_> {
 }
 
 impl Blocks {
-    /// For sessions that have the columns of so many functions and so many others in common, beside those that each has
-    /// for itself.
+    /// For sessions that have in common the columns of so many functions, and so many others; each has some of its own.
     pub fn new(functions: usize, others: usize, sessions: &[(&Session, &Course)], scale: Scale) -> Self {
         let common = functions * FUNCTIONS + others;
         let decays = sessions.iter().map(|(session, course)| if course.at_rest { Vec::new() } else { decays(session) });

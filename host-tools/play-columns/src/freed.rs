@@ -5,13 +5,13 @@
 //! a⁰_i = exp(−r_i/(ρR))·Δr_i/R,   s_i = max(a⁰_i, 0.3·mean a⁰)        all at least 0; γ⁰ as searched
 //! ```
 //!
-//! by Gauss and Newton, all together: q and e coefficients of the two functions, a weights, γ gains; c_b are the noises
-//! of the blocks (see [`Blocks`]). The law says how an actuator answers amplitudes that were not recorded; the draw d
-//! towards it is weak where several were, and strong where there was one. Gains that lie evenly over log time follow a
-//! creep that does not, or a rate dependence, only with the wrong end. On eleven simulated devices of other classes,
-//! learnt from several amplitudes, frequencies and a hold, all of it together leaves a sixth less error on other
-//! recordings than weights and functions by turns beside searched gains; at best two thirds less, at worst a tenth
-//! more.
+//! by Gauss and Newton, all together: q and e coefficients of the two functions, a weights, γ gains; c_b are the
+//! noises of the blocks (see [`Blocks`]). The law says how an actuator answers amplitudes that were not recorded; the
+//! draw d towards it is weak where several were, and strong where there was one. Gains that lie evenly over log time
+//! follow a creep that does not, or a rate dependence, only where they are wrong at other times. On eleven simulated
+//! devices of other classes, learnt from several amplitudes, frequencies and a hold, all of it together leaves a sixth
+//! less error on other recordings than weights and functions by turns beside searched gains; at best two thirds less,
+//! at worst a tenth more.
 
 use crate::basis::FUNCTIONS;
 use crate::blocks::{Balanced, Blocks};

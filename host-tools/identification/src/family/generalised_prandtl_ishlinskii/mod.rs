@@ -146,7 +146,7 @@ impl super::Family for Family {
     /// Without what did not act, and with weights freed from the law, where the logs give any. What the law misses
     /// looks like a lag and a memory at rest: both are found once more beside weights of their own. Logs of which none
     /// begins at rest say nothing of that memory, and it is the one between a rise's and a fall's. In the end the gains
-    /// of the creep are freed, too: of one frequency they are what its loop is wide by.
+    /// of the creep are freed, too; of one frequency they say no more than how wide its loop is.
     fn finish(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
         let sessions = self.sessions(problem);
         let (rests, mut values) = (self.rests(), self.values(values)?);
@@ -154,15 +154,12 @@ impl super::Family for Family {
             values.rest_memory = 0.0;
         }
         let values = self.without_idle_limit(values, problem)?;
-        let law = self.solve(&values, problem)?;
         let tried = |values: Values| {
             let freed = self.freed(&values, self.law(&values), &sessions, false)?;
             let cost = freed.cost + values.unlikely(self.tick, problem.lag_s);
             Some((Tried { values, freed, cost }, cost))
         };
-        let Some((mut best, _)) = tried(values) else {
-            return self.parameters(&values, (self.law(&values), values.gains), &law);
-        };
+        let (mut best, _) = tried(values)?;
         // Either is found at what the other was, until that gains no more.
         for turn in 0..ROUNDS {
             let before = best.cost;
@@ -172,11 +169,10 @@ impl super::Family for Family {
                 break;
             }
         }
-        let mut of = best.freed;
-        if self.frees_creep {
-            of = self.freed(&best.values, of.weights, &sessions, true).unwrap_or(of);
-        }
-        self.parameters(&best.values, (of.weights, of.gains), &of.solution)
+        let Tried { values, freed, .. } = best;
+        let creeping = self.frees_creep.then(|| self.freed(&values, freed.weights, &sessions, true)).flatten();
+        let Freed { weights, gains, solution, .. } = creeping.unwrap_or(freed);
+        self.parameters(&values, (weights, gains), &solution)
     }
 
     fn has(&self, gene: &Gene, found: &Parameters) -> bool {
