@@ -43,6 +43,33 @@ fn a_last_line_cut_in_mid_number_is_found_and_repair_says_how_much_it_left_out()
     assert!(repaired.contains(&format!("\nLeft out: {sentence}\n")), "{repaired}");
 }
 
+/// Of a log whose second half swings twice as far as its first, and whose last reading is none.
+#[test]
+fn what_is_held_out_in_stretches_is_said_and_kept_and_repair_counts_both_parts() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let once = rig("sin10");
+    let ladder =
+        |values: &[f64]| [values.to_vec(), values.iter().map(|value| 2.0 * value).collect::<Vec<_>>()].concat();
+    let mut displacement = ladder(once.displacement.as_deref().unwrap());
+    displacement.last_mut().into_iter().for_each(|last| *last += 50.0);
+    let ladder =
+        Log { name: "cut".to_owned(), voltage: ladder(&once.voltage), displacement: Some(displacement), ..once };
+    let log = write(folder.path(), &ladder);
+    for (as_judged, role) in [(&["--as-judged"][..], "held-out"), (&[], "judged-then-learnt")] {
+        let identify = ["identify", text(&log), "--repair", "--json", "--out", text(&out)];
+        let found = json(piezo().args(identify).args(SHORTEST).args(as_judged));
+        let verdict = found["verdict"].as_array().unwrap();
+        let says = |sentence: &str| verdict.iter().any(|said| said.as_str().unwrap().contains(sentence));
+        assert!(says("What was held out is up to 16 stretches of each log, and not its end"), "{verdict:?}");
+        assert!(says("Of cut, 1 of ") && says(" samples were left out (--repair)."), "{verdict:?}");
+        let table = fs::read_to_string(out.join("table.toml")).unwrap();
+        assert!(table.contains(&format!("role = \"{role}\"")) && table.contains("\nstretches = 16\n"), "{table}");
+        let validated = said(&["validate", text(&out.join("table.toml")), text(&log)]);
+        assert!(validated.contains("the table was trained on all that is scored"), "{validated}");
+    }
+}
+
 #[test]
 fn every_log_is_looked_at_though_one_cannot_be_read() {
     let folder = tempfile::tempdir().unwrap();

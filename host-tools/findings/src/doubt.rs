@@ -65,8 +65,8 @@ pub fn doubt(doubt: &Doubt) -> String {
         Doubt::Unfinished { missing } => format!("{missing}: identify again once it is whole, or record another"),
         Doubt::HeldOutFar { training_um, held_out_um, learnt_since } => format!(
             "on the held-out data the error without offset is {:.3} µm, in training {:.3} µm: the model \
-             has learnt this recording rather than the actuator, the two were recorded under other conditions, or what was held out goes as far or \
-             as fast as nothing before it did{}",
+             has learnt this recording rather than the actuator, the two were recorded under other conditions, or what was held out goes as nothing \
+             that was learnt from did{}",
             Micrometres(*held_out_um),
             Micrometres(*training_um),
             if *learnt_since { ". The table was learnt from both since; how far off the table is, only another recording says (piezo validate)" } else { "" }

@@ -9,11 +9,16 @@ pub fn log_use(of: &LogUse) -> (String, String) {
         Role::HeldOut => "Held out",
         Role::JudgedThenLearnt => "Held out to judge, then trained on",
     };
-    (role.to_owned(), format!("{}, {:.2} … {:.2} s, SHA-256 {}", of.file, of.from_s, of.to_s, of.sha256))
+    (role.to_owned(), format!("{}, {}, SHA-256 {}", of.file, seconds(of), of.sha256))
 }
 
 /// The logs of a role, each with the seconds that were used of it, in one line.
 pub fn used(logs: &[LogUse], role: Role) -> String {
     let of_role = logs.iter().filter(|log| log.role == role);
-    of_role.map(|log| format!("{} {:.2} … {:.2} s", log.file, log.from_s, log.to_s)).collect::<Vec<_>>().join(", ")
+    of_role.map(|log| format!("{} {}", log.file, seconds(log))).collect::<Vec<_>>().join(", ")
+}
+
+fn seconds(of: &LogUse) -> String {
+    let stretches = of.stretches.map(|stretches| format!("{stretches} stretches in "));
+    format!("{}{:.2} … {:.2} s", stretches.unwrap_or_default(), of.from_s, of.to_s)
 }

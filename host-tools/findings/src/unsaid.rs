@@ -3,7 +3,7 @@
 use estimator_core::Model;
 use identification::ModelChoice;
 
-/// The fraction at the end of each log that is held out: half where nothing is stated, and nothing where whole logs
+/// The fraction of each log that is held out: half where nothing is stated, and nothing where whole logs
 /// are held out.
 pub fn hold_out(stated: Option<f64>, whole_logs: bool) -> f64 {
     stated.unwrap_or(if whole_logs { 0.0 } else { 0.5 })

@@ -1,8 +1,8 @@
 //! A log in, a parameter table out: `identify log.csv table.bin`.
 //!
-//! What is learnt from the first half of the log is judged on the second, and learnt again from all of it. `piezo
-//! identify` does more: it calibrates the ± beside the estimate, says what the log did not determine, puts the doubts
-//! in words, and draws it all.
+//! What is learnt from half of the log, the first where the second is like it, is judged on the other, and learnt
+//! again from all of it. `piezo identify` does more: it calibrates the ± beside the estimate, says what the log did
+//! not determine, puts the doubts in words, and draws it all.
 //!
 //!     cargo run --release --package identification --example identify -- tests/data/picma-p885-1hz.csv table.bin
 

@@ -1,7 +1,7 @@
 //! What of a job's logs is fitted to and what is held out.
 
 use crate::job_error::JobError;
-use log_survey::range;
+use log_survey::{ends_go_beyond, range};
 use recordings::log::Log;
 use recordings::prepare::PrepareOptions;
 use recordings::{LogUse, Role};
@@ -15,10 +15,13 @@ pub(crate) struct Parts<'l> {
     pub held_out: Vec<Log>,
     /// Training logs as a whole, and what is held out of each: the estimator runs on into that, as a device does.
     pub rests: Vec<(Cow<'l, Log>, Log)>,
+    /// The ends of the training logs go through what nothing before them does, so that they are left whole here, and
+    /// [stretches](log_survey::held_in_turns) of them are held out.
+    pub in_turns: bool,
 }
 
 impl<'l> Parts<'l> {
-    /// Training logs of which the fraction `hold_out` at their ends is held out, and logs that are held out as a whole.
+    /// Training logs of which the fraction `hold_out` is held out, and logs that are held out as a whole.
     pub fn of(
         training: &'l [Log],
         held_out: &[Log],
@@ -41,8 +44,15 @@ impl<'l> Parts<'l> {
         let held_out: Vec<Log> = apart.iter().map(|log| prepare.cut(log).into_owned()).collect();
         let (mut training, mut rests) = (Vec::new(), Vec::new());
         held_out.iter().try_for_each(|log| moves(log, log))?;
-        for log in whole.iter().map(|log| prepare.cut(log)) {
-            let (first, rest) = log.split(hold_out);
+        let parts = whole.iter().map(|log| prepare.cut(log)).map(|log| (log.split(hold_out), log));
+        let parts: Vec<((Log, Log), Cow<'l, Log>)> = parts.collect();
+        let in_turns = ends_go_beyond(parts.iter().map(|((first, rest), _)| (first, rest)));
+        for ((first, rest), log) in parts {
+            if in_turns {
+                moves(&log, &log)?;
+                training.push(log.into_owned());
+                continue;
+            }
             moves(&first, &log)?;
             training.push(first);
             if !rest.voltage.is_empty() {
@@ -50,7 +60,7 @@ impl<'l> Parts<'l> {
                 rests.push((log, rest));
             }
         }
-        Ok(Self { training, held_out, rests })
+        Ok(Self { training, held_out, rests, in_turns })
     }
 }
 

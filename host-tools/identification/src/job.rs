@@ -19,7 +19,9 @@ use crate::suspicion::{doubts, no_better};
 use crate::validate::Baseline;
 use calibration::CalibrationOptions;
 use estimator_core::{Digest, Model, Range};
-use log_survey::{Character, Flaw, Implausible, ahead, falls, flaws, gravest, other_scale, repaired, sound};
+use log_survey::{
+    Character, Flaw, Implausible, ahead, falls, flaws, gravest, held_in_turns, other_scale, repaired, sound,
+};
 use recordings::log::Log;
 use recordings::prepare::{AutoOr, PrepareError, PrepareOptions};
 use recordings::session::Session;
@@ -33,8 +35,8 @@ pub struct Job {
     pub training: Vec<Log>,
     /// Logs that decide nothing.
     pub held_out: Vec<Log>,
-    /// Fraction of each training log, at its end, that is held out until the model is chosen and judged, and
-    /// learnt from then.
+    /// Fraction of each training log that is held out until the model is chosen and judged, and learnt from
+    /// then: its end, or stretches all over it where the ends [go beyond](log_survey::ends_go_beyond) what was before.
     pub hold_out: f64,
     /// The chosen model is delivered as it was judged, and not learnt from what was held out.
     pub as_judged: bool,
@@ -98,7 +100,8 @@ impl Job {
         }
     }
 
-    /// Cuts and divides the logs, and decides zeros and delay from what is fitted to.
+    /// Cuts and divides the logs, and decides zeros and delay from what is fitted to; from the whole of each where
+    /// stretches of it are held out.
     ///
     /// # Errors
     /// A log cannot be used.
@@ -109,7 +112,8 @@ impl Job {
     /// As [`prepare`](Self::prepare), with this fraction of each training log held out, and a delay that
     /// was decided before.
     pub(crate) fn prepare_parts(&self, hold_out: f64, known_delay_ticks: Option<u32>) -> Result<Prepared, JobError> {
-        let Parts { training, held_out, rests } = Parts::of(&self.training, &self.held_out, hold_out, &self.prepare)?;
+        let Parts { training, held_out, rests, in_turns } =
+            Parts::of(&self.training, &self.held_out, hold_out, &self.prepare)?;
         let flaws = |log: &Log| if self.conditions.repair { flaws(log) } else { Vec::new() };
         let of_training: Vec<Vec<Flaw>> = training.iter().map(flaws).collect();
         let rows = training.iter().zip(&of_training).map(|(log, flaws)| sound(log, flaws));
@@ -137,7 +141,7 @@ impl Job {
             }
             Ok(session)
         };
-        let learnt_from: Vec<Session> =
+        let mut learnt_from: Vec<Session> =
             training.iter().zip(&of_training).map(|(log, flaws)| session(log, flaws)).collect::<Result<_, _>>()?;
         if let Some(falling) = learnt_from.iter().find(|session| falls(session)) {
             return Err(JobError::FallsWithVoltage { log: falling.name.clone() });
@@ -152,16 +156,24 @@ impl Job {
             validation.push(session);
         }
         let held_out: Vec<Log> = held_out.into_iter().chain(rests.into_iter().map(|(_, rest)| rest)).collect();
+        let mut logs = [uses(&training, Role::Training), uses(&held_out, Role::HeldOut)].concat();
+        for (at, (session, log)) in learnt_from.iter_mut().zip(&training).enumerate().filter(|_| in_turns) {
+            let (kept, held, stretches) = held_in_turns(session, hold_out);
+            *session = kept;
+            validation.push(held);
+            logs[at].stretches = Some(stretches);
+            logs.push(LogUse { stretches: Some(stretches), ..LogUse::new(log, Role::HeldOut) });
+        }
         Ok(Prepared {
             problem: Problem::new(learnt_from, validation, self.conditions)
                 .read_by(&self.calibration, recipe.voltage_zero_v),
             context: TableContext {
                 recipe,
                 calibration: self.calibration.clone(),
-                logs: digest(&training),
+                logs: digest(&training, in_turns.then_some(hold_out)),
                 seed: self.search.seed,
             },
-            logs: [uses(&training, Role::Training), uses(&held_out, Role::HeldOut)].concat(),
+            logs,
             of_logs: [self.estimates(), self.run_ahead(), self.flawed(&beyond_repair), Vec::from_iter(other_scale)]
                 .concat(),
             of_delay: estimated.and_then(|delay| delay.doubt),
@@ -280,13 +292,17 @@ impl Job {
 /// Callbacks of brief searches of all models and a long one, roughly, for a progress bar.
 const OF_ALL: u64 = 1_200;
 
-/// Start of a SHA-256 over the logs' digests and the part of each that was used.
-fn digest(logs: &[Log]) -> Digest {
+/// Start of a SHA-256 over the logs' digests and the part of each that was used: what was not held out in stretches,
+/// where that is a fraction.
+fn digest(logs: &[Log], held_in_turns: Option<f64>) -> Digest {
     let mut hash = Sha256::new();
     for log in logs {
         hash.update(&log.sha256);
         hash.update(log.start_s.to_le_bytes());
         hash.update((log.voltage.len() as u64).to_le_bytes());
+    }
+    if let Some(hold_out) = held_in_turns {
+        hash.update(hold_out.to_le_bytes());
     }
     let hash = hash.finalize();
     Digest(std::array::from_fn(|byte| hash[byte]))

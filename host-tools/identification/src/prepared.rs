@@ -12,8 +12,8 @@ use recordings::LogUse;
 pub struct Prepared {
     /// The sessions, cut, divided and prepared.
     pub problem: Problem,
-    /// What a table holds besides what is identified; zeros and delay, decided from the training logs alone,
-    /// in its recipe.
+    /// What a table holds besides what is identified; zeros and delay, decided from the training logs alone (with the
+    /// stretches of them that are held out), in its recipe.
     pub context: TableContext,
     /// What each log was used for.
     pub logs: Vec<LogUse>,

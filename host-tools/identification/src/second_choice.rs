@@ -1,7 +1,7 @@
 //! The choice once more, where what was held out speaks against the first.
 //!
-//! Cross-validation sees the part that is fitted to. Where that holds less than the rest, as where a log's amplitudes
-//! or frequencies follow one another, the model that does best there may be far off elsewhere. The delivered table is
+//! Cross-validation sees the part that is fitted to. Where that holds less than the rest, as where half of a log is too
+//! little to tell two models apart, the model that does best there may be far off elsewhere. The delivered table is
 //! learnt from the whole logs, and so it may be chosen by them: where the first choice is far off on what was held out,
 //! by another model's error there or by its own in training, it and the models that were nearest there are learnt from
 //! the whole logs, and cross-validation in them decides.

@@ -6,6 +6,7 @@
 //! 100 MB.
 
 mod ahead;
+mod beyond;
 mod blocks;
 mod character;
 mod clock;
@@ -26,11 +27,13 @@ mod start;
 mod stillness;
 mod stroke;
 mod swings;
+mod turns;
 
 use recordings::log::{Chosen, LogError, MOST_HOLES, Reading, Remark, Row};
 use serde::Serialize;
 
 pub use ahead::{Ahead, ahead};
+pub use beyond::ends_go_beyond;
 pub use blocks::Block;
 pub use character::Character;
 pub use clock::{Clock, RateSource};
@@ -49,6 +52,7 @@ pub use start::{RESTS_S, begins_in_motion, prepared, repaired};
 pub use stillness::Stillness;
 pub use stroke::stroke;
 pub use swings::{Cell, Swings};
+pub use turns::held_in_turns;
 
 use blocks::Blocks;
 use rows::Rows;

@@ -62,6 +62,9 @@ pub fn judged(table: &Admitted, interval: &IntervalParameters, session: &Session
     let mut before: VecDeque<(usize, f64)> = VecDeque::new();
     let mut told: Vec<Telling> = Vec::new();
     let mut read = 0_usize;
+    // Behind a gap nothing is told before the window is full again; of a log that is read seldom each reading fills it.
+    let gap = window.max(2 * (session.interval_s() / session.tick_s) as usize);
+    let (mut last, mut full) = (0, 0);
     for (tick, &volts) in voltage.iter().enumerate().take(ticks) {
         let (estimate, state) = step(volts);
         // An estimate is of the tick that follows; the first has none.
@@ -80,11 +83,14 @@ pub fn judged(table: &Admitted, interval: &IntervalParameters, session: &Session
         }
         let Some(off) = off else { continue };
         read += 1;
+        full = if tick > last + gap { tick + window } else { full };
+        last = tick;
         before.push_back((tick, off));
         while before.front().is_some_and(|(at, _)| at + window <= tick) {
             before.pop_front();
         }
-        if due.next_if(|at| *at <= tick).is_some()
+        if tick >= full
+            && due.next_if(|at| *at <= tick).is_some()
             && let Some(mut state) = state
         {
             while due.next_if(|at| *at <= tick).is_some() {}

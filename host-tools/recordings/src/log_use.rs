@@ -18,6 +18,9 @@ pub struct LogUse {
     pub from_s: f64,
     /// End of what was used, s.
     pub to_s: f64,
+    /// Stretches between these that were used, where it is not all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stretches: Option<usize>,
     /// Samples of what was trained on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub content: Option<Content>,
@@ -46,6 +49,7 @@ impl LogUse {
             role,
             from_s: log.start_s,
             to_s: log.start_s + log.duration(),
+            stretches: None,
             content: Some(role).filter(|&role| role == Role::Training).and_then(|_| Content::of(log)),
         }
     }

@@ -19,6 +19,13 @@ pub fn verdict(outcome: &Outcome, by_board: bool) -> Vec<String> {
         vec![format!("Model: {}, since {}", candidate.table.model(), findings::reason(&outcome.reason))];
     if let Some(held_out) = candidate.held_out_figures() {
         sentences.push(unseen(&held_out, candidate.held_out.len()));
+        if let Some(most) = learnt.logs.iter().filter_map(|log| log.stretches).max() {
+            let stretches = if most == 1 { "a stretch".to_owned() } else { format!("up to {most} stretches") };
+            sentences.push(format!(
+                "What was held out is {stretches} of each log, and not its end, since the ends go through voltages, amplitudes or frequencies \
+                 that nothing before them has. A drift shows less so."
+            ));
+        }
     } else if let Some(training) = candidate.training_figures() {
         sentences.push(format!(
             "On the data it was fitted to the estimate is on average {:.3} µm from the sensor ({:.2} % of the stroke), each log's \

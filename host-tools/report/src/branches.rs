@@ -4,7 +4,7 @@
 use super::axis::Axis;
 use super::csv::Csv;
 use super::svg::{Drawing, Frame};
-use super::thin::{Point, extent};
+use super::thin::{Point, extent, gaps};
 use identification::validate::Comparison;
 use log_survey::reversals::reversals;
 
@@ -30,10 +30,13 @@ pub fn branches(logs: &[Comparison], retreat: f64) -> [Vec<Point>; 2] {
     let mut sums = [[Sum::default(); BINS]; 2];
     for log in logs {
         let trace = &log.trace;
-        let mut ends = reversals(&trace.voltage, retreat);
-        ends.insert(0, 0);
-        ends.push(trace.voltage.len().saturating_sub(1));
-        for pair in ends.windows(2) {
+        let pieces = [vec![0], gaps(&trace.time_s), vec![trace.voltage.len()]].concat();
+        let ends = pieces.windows(2).flat_map(|piece| {
+            let turns = reversals(&trace.voltage[piece[0]..piece[1]], retreat).into_iter().map(|turn| piece[0] + turn);
+            let ends: Vec<usize> = [piece[0]].into_iter().chain(turns).chain([piece[1].saturating_sub(1)]).collect();
+            ends.windows(2).map(|pair| [pair[0], pair[1]]).collect::<Vec<_>>()
+        });
+        for pair in ends {
             let (from, to) = (pair[0], pair[1]);
             let Some((before, after)) = trace.voltage.get(from).zip(trace.voltage.get(to)) else { continue };
             let branch = &mut sums[usize::from(after < before)];

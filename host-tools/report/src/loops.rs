@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::svg::{Drawing, Frame};
-use super::thin::{Point, periods, thin};
+use super::thin::{Point, gaps, periods, pieces, thin};
 use identification::validate::Trace;
 use std::ops::RangeInclusive;
 
@@ -39,10 +39,13 @@ pub fn draw_in(drawing: &mut Drawing, frame: Frame, trace: &Trace, limit: usize)
     let voltages = Axis::linear(trace.voltage.iter().copied(), 4);
     let displacements = Axis::linear(trace.measured.iter().chain(&trace.estimated).copied(), 4);
     let panel = drawing.panel(frame, voltages, displacements, ("voltage, V", "displacement, µm"));
+    let gaps = gaps(&trace.time_s);
     for (class, values) in [("sensor", &trace.measured), ("estimate", &trace.estimated)] {
         for period in &drawn {
             let points: Vec<Point> = (*period).clone().filter_map(|i| point(trace, values, i)).collect();
-            drawing.line(&panel, class, &thin(points, of_each));
+            for piece in pieces(&points, *period.start(), &gaps) {
+                drawing.line(&panel, class, &thin(piece.iter().copied(), of_each));
+            }
         }
     }
     drawing.legend(&panel, &[("sensor", "sensor"), ("estimate", "estimate")]);

@@ -5,7 +5,7 @@ use super::axis::Axis;
 use super::csv::Csv;
 use super::number::{number, tick_label};
 use super::svg::{Drawing, Frame};
-use super::thin::{Point, extent};
+use super::thin::{Point, extent, gaps};
 use identification::validate::Comparison;
 use log_survey::reversals::reversals;
 
@@ -28,12 +28,17 @@ pub struct Swing {
     pub off_um: f64,
 }
 
-/// The whole swings of a log; a reversal is what goes back by more than `retreat` V.
+/// The whole swings of a log, none over a gap; a reversal is what goes back by more than `retreat` V.
 pub fn swings(log: &Comparison, retreat: f64) -> Vec<Swing> {
     let trace = &log.trace;
     let turns = reversals(&trace.voltage, retreat);
+    let gaps = gaps(&trace.time_s);
     let swing = |ends: &[usize]| {
         let &[from, _, to] = ends else { return None };
+        // Where the voltage is only seen again, or no more, it need not have turned.
+        if gaps.get(gaps.partition_point(|gap| *gap < from)).is_some_and(|gap| *gap <= to + 1) {
+            return None;
+        }
         let (min, max) = extent(trace.voltage[from..=to].iter().copied())?;
         let errors = trace.estimated[from..to].iter().zip(&trace.measured[from..to]);
         let sum: f64 = errors.map(|(estimate, sensor)| (estimate - sensor - log.mil.offset_um).abs()).sum();

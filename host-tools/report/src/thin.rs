@@ -26,6 +26,36 @@ pub fn thin(points: impl IntoIterator<Item = Point>, limit: usize) -> Vec<Point>
     thinned
 }
 
+/// From one instant to the next by more than so many times the middle of all is a gap: nothing is drawn over it.
+const GAP: f64 = 3.0;
+
+/// The first index behind each gap of some instants, s.
+pub fn gaps(time_s: &[f64]) -> Vec<usize> {
+    let mut apart: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = apart.len() / 2;
+    if apart.is_empty() {
+        return Vec::new();
+    }
+    let longest = GAP * *apart.select_nth_unstable_by(middle, f64::total_cmp).1;
+    (1..time_s.len()).filter(|&index| time_s[index] - time_s[index - 1] > longest).collect()
+}
+
+/// Fewest points of a line that are drawn of what lies between two gaps.
+pub const OF_A_PIECE: usize = 8;
+
+/// What lies between gaps, of values from an index `first` on.
+pub fn pieces<'v, T>(mut values: &'v [T], first: usize, gaps: &[usize]) -> Vec<&'v [T]> {
+    let mut pieces = Vec::new();
+    let mut from = first;
+    for &gap in gaps.iter().filter(|gap| (first + 1..first + values.len()).contains(gap)) {
+        let (piece, rest) = values.split_at(gap - from);
+        pieces.push(piece);
+        (values, from) = (rest, gap);
+    }
+    pieces.push(values);
+    pieces
+}
+
 fn extreme(points: &[Point], beyond: fn(f64, f64) -> bool) -> usize {
     (1..points.len()).fold(0, |best, i| if beyond(points[i].1, points[best].1) { i } else { best })
 }
@@ -83,6 +113,18 @@ mod tests {
         assert!(thinned.contains(&(12_345.0, 9.0)) && thinned.contains(&(23_456.0, -8.0)));
         assert_eq!((thinned[0].0, thinned[thinned.len() - 1].0), (0.0, 39_999.0));
         assert!(thinned.windows(2).all(|pair| pair[0].0 < pair[1].0));
+    }
+
+    #[test]
+    fn nothing_is_drawn_over_a_gap() {
+        let time_s: Vec<f64> = (0..100).filter(|k| k % 40 < 30).map(|k| f64::from(k) * 1e-3).collect();
+        let gaps = gaps(&time_s);
+        assert_eq!(gaps, [30, 60]);
+        let of =
+            |first: usize| pieces(&time_s[first..], first, &gaps).into_iter().map(<[f64]>::len).collect::<Vec<_>>();
+        assert_eq!((of(0), of(30), of(31)), (vec![30, 30, 20], vec![30, 20], vec![29, 20]));
+        assert_eq!(pieces(&time_s[..30], 0, &gaps).len(), 1);
+        assert!(super::gaps(&[1.0]).is_empty() && super::gaps(&[0.0, 1.0, 2.0, 4.0]).is_empty());
     }
 
     #[test]

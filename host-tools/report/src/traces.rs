@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::svg::{Drawing, Frame, Panel};
-use super::thin::{Point, last_periods, thin};
+use super::thin::{OF_A_PIECE, Point, gaps, last_periods, pieces, thin};
 use identification::validate::{Estimates, Instant, Trace};
 use std::ops::RangeInclusive;
 
@@ -64,16 +64,16 @@ impl Lines {
     pub fn displacement(&self, drawing: &mut Drawing, frame: Frame, limit: usize) -> Panel {
         let values = self.measured.iter().chain(&self.estimated).map(|point| point.1);
         let panel = drawing.panel(frame, self.time(), Axis::linear(values, 3), ("", "displacement, µm"));
-        drawing.line(&panel, "sensor", &thin(self.measured.iter().copied(), limit));
-        drawing.line(&panel, "estimate", &thin(self.estimated.iter().copied(), limit));
+        line(drawing, &panel, "sensor", &self.measured, limit);
+        line(drawing, &panel, "estimate", &self.estimated, limit);
         panel
     }
 
     /// Draws the error, in the band of its interval where there is one, and marks a part of the time.
     pub fn error(&self, drawing: &mut Drawing, frame: Frame, limit: usize, title: &str, mark: Option<(f64, f64)>) {
-        let side = |sign: f64| thin(self.half_width.iter().map(|&(time, half)| (time, sign * half)), limit);
-        let (upper, lower) = (side(1.0), side(-1.0));
-        let errors = self.error.iter().chain(&upper).chain(&lower).map(|point| point.1).chain([0.0]);
+        let half_widths = self.half_width.iter().map(|point| point.1).filter(|half| half.is_finite());
+        let errors =
+            self.error.iter().map(|point| point.1).chain(half_widths.flat_map(|half| [half, -half])).chain([0.0]);
         let panel = drawing.panel(frame, self.time(), Axis::linear(errors, 2), ("time, s", title));
         if let Some((from, to)) = mark {
             drawing.window(&panel, "window", from, to);
@@ -81,15 +81,31 @@ impl Lines {
         for (from, to) in &self.flaws {
             drawing.window(&panel, "flaw", *from, *to);
         }
-        if !upper.is_empty() {
-            drawing.band(&panel, "band", &upper, &lower);
+        let pieces = between_gaps(&self.half_width, limit);
+        for piece in pieces.iter().filter(|piece| piece.iter().any(|(_, half)| half.is_finite())) {
+            let side = |sign: f64| thin(piece.iter().map(|&(time, half)| (time, sign * half)), limit / pieces.len());
+            drawing.band(&panel, "band", &side(1.0), &side(-1.0));
         }
-        drawing.line(&panel, "error", &thin(self.error.iter().copied(), limit));
+        line(drawing, &panel, "error", &self.error, limit);
         drawing.zero(&panel);
     }
 
     fn time(&self) -> Axis {
         Axis::tight(self.error.iter().map(|point| point.0), 3)
+    }
+}
+
+/// What lies between gaps; a log that was read in bursts, of which too few points would be drawn of each, is one piece.
+fn between_gaps(points: &[Point], limit: usize) -> Vec<&[Point]> {
+    let gaps = gaps(&points.iter().map(|point| point.0).collect::<Vec<_>>());
+    pieces(points, 0, if (gaps.len() + 1) * OF_A_PIECE > limit { &[] } else { &gaps })
+}
+
+/// Draws a line over time, broken where nothing was measured.
+fn line(drawing: &mut Drawing, panel: &Panel, class: &str, points: &[Point], limit: usize) {
+    let pieces = between_gaps(points, limit);
+    for piece in &pieces {
+        drawing.line(panel, class, &thin(piece.iter().copied(), limit / pieces.len()));
     }
 }
 

@@ -15,7 +15,7 @@
 //! something of amplitudes that were not recorded. Of 18 trainings of nine simulated devices that no model is made of,
 //! three were given another model with s alone, each further off than this one on recordings unlike the training, 1.5
 //! to 2 times. Yet s alone decides where a model's errors have an arithmetic mean of less than two thirds of the
-//! best's: that one misses a part altogether which this one does not.
+//! best's: that is far off where this one is not.
 
 use crate::statistics::{logarithm, mean, standard_error};
 use estimator_core::Model;

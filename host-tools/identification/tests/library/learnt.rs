@@ -59,9 +59,9 @@ fn a_model_is_learnt_from_the_whole_once_its_half_has_judged_it() {
     }
 }
 
-/// A model that was judged where its half never went is no worse for that once it has been there.
+/// What the end of a log alone has is in what is kept of it and in what is held out.
 #[test]
-fn what_the_held_out_part_alone_has_is_no_doubt_of_the_table() {
+fn of_a_log_whose_end_goes_beyond_its_beginning_stretches_are_held_out() {
     let rig = Rig { duration: 0.6, ..Rig::default() };
     let [small, mut large] = [rig.log(EXCITATIONS[1]), rig.log(EXCITATIONS[1])];
     large.voltage.iter_mut().for_each(|volts| *volts *= 2.0);
@@ -71,13 +71,23 @@ fn what_the_held_out_part_alone_has_is_no_doubt_of_the_table() {
         displacement: Some(small.displacement.unwrap().into_iter().chain(twice).collect()),
         ..rig.log(EXCITATIONS[1])
     };
-    let doubts = |as_judged| {
+    let outcome = |as_judged| {
         let job = Job { training: vec![log.clone()], held_out: Vec::new(), ..job(Model::Voigt, 0.5, as_judged) };
-        job.run(&mut |_, _| ()).unwrap().doubts
+        job.run(&mut |_, _| ()).unwrap()
     };
-    let beyond = |doubt: &Doubt| matches!(doubt, Doubt::BeyondTraining { .. } | Doubt::NoBetterThanLine { .. });
-    assert!(doubts(true).iter().any(beyond));
-    assert!(!doubts(false).iter().any(beyond), "{:?}", doubts(false));
+    for (as_judged, role) in [(true, Role::HeldOut), (false, Role::JudgedThenLearnt)] {
+        let of = outcome(as_judged);
+        let uses: Vec<_> = of.learnt.logs.iter().map(|log| (log.role, log.to_s - log.from_s, log.stretches)).collect();
+        let seconds = log.duration();
+        let of_training = as_judged.then_some(16);
+        assert_eq!(uses, [(Role::Training, seconds, of_training), (role, seconds, Some(16))]);
+        let [training, held_out] = [of.judged().training_off_um(), of.judged().held_out_off_um()].map(Option::unwrap);
+        assert!((held_out / training - 1.0).abs() < 0.5, "{held_out} µm held out, {training} µm in training");
+        let beyond = |doubt: &Doubt| {
+            matches!(doubt, Doubt::BeyondTraining { .. } | Doubt::NoBetterThanLine { .. } | Doubt::HeldOutFar { .. })
+        };
+        assert!(!of.doubts.iter().any(beyond), "{:?}", of.doubts);
+    }
 }
 
 #[test]

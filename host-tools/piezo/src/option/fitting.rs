@@ -30,8 +30,8 @@ pub struct Fitting {
     /// Logs that are held out: their errors are reported and decide nothing.
     #[arg(long, num_args = 1.., value_name = "LOG")]
     pub validate_on: Vec<PathBuf>,
-    /// Hold out this fraction at the end of each log until the model is judged; 0.5 unless --validate-on names logs.
-    /// `identify` then learns the chosen model once more from all of them.
+    /// Hold out this fraction of each log until the model is judged: its end, or stretches where ends go beyond what is
+    /// before; 0.5 unless --validate-on names logs. `identify` then learns the chosen model once more from all of them.
     #[arg(long, display_order = BEHIND, value_name = "FRACTION", allow_negative_numbers = true)]
     pub hold_out: Option<f64>,
     /// Leave out what is no measurement: a value that is no number, rows that the time stamps leave out, where the
