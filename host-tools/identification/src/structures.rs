@@ -13,8 +13,6 @@ const MIDDLE: f64 = 0.5;
 /// A new best is shown, which takes a simulation of every log, where it costs less than this factor times the one that
 /// was shown last.
 const SHOWN: f64 = 0.99;
-/// A richer structure must be off, once the logs have settled, by less than this factor times the simpler one.
-const BETTER: f64 = 0.97;
 
 /// What the search of one structure has found.
 #[derive(Clone, PartialEq, Debug)]
@@ -128,7 +126,7 @@ impl Identification<'_> {
                 self.structure(model, family.as_ref(), self.options.optimiser, allowed, simpler, Some(progress));
             evaluations += found.evaluations;
             let off = self.off(&found);
-            if best.as_ref().is_none_or(|(_, best)| off < BETTER * best) {
+            if best.as_ref().is_none_or(|(_, best)| off < family.must_better() * best) {
                 best = Some((Fit { structure: index, ..found }, off));
             }
         }

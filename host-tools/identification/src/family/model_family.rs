@@ -63,6 +63,12 @@ pub trait Family: Sync {
         candidates.par_iter().map(of).collect()
     }
 
+    /// It is taken instead of a simpler structure where it is off, once the logs have settled, by less than this factor
+    /// times what that is.
+    fn must_better(&self) -> f64 {
+        0.97
+    }
+
     /// Whether [`quadratic`](Self::quadratic) says something.
     fn smooth(&self) -> bool {
         false
