@@ -118,6 +118,11 @@ pub fn doubt(doubt: &Doubt) -> String {
             "the training logs have a single frequency: at others the estimate may be wrong; record several"
             .to_owned()
         }
+        Doubt::NoFastMove => {
+            "in no training log does the voltage go fast from one level to another and stand still then (readings at most 5 ms apart), \
+             so that nothing shows how the actuator comes to rest: there the ± may be too narrow; record a staircase besides"
+                .to_owned()
+        }
         Doubt::SingleAmplitude { extremum_terms: true } => {
             "the training logs have a single amplitude, which teaches a single loop: the extremum terms are not \
              determined and can be far off at other amplitudes; record several, or use --model voigt"
@@ -352,6 +357,7 @@ mod tests {
             Doubt::FewReversals { reversals: 2 },
             Doubt::SingleFrequency { lag_known: false },
             Doubt::SingleFrequency { lag_known: true },
+            Doubt::NoFastMove,
             Doubt::SingleAmplitude { extremum_terms: true },
             Doubt::SingleAmplitude { extremum_terms: false },
             Doubt::RunsAhead { log: "f".into(), by: Ahead { percent: 9.0, loops: 5 } },

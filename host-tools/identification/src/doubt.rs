@@ -113,6 +113,8 @@ pub enum Doubt {
         /// Somebody says what the lag is, or a step of the voltage shows it.
         lag_known: bool,
     },
+    /// No fast move of the voltage from one rest to another shows how the actuator comes to rest.
+    NoFastMove,
     /// All swings are about as large.
     SingleAmplitude {
         /// The model has terms that need several.

@@ -36,6 +36,30 @@ fn the_thesis_s_frequencies_are_several_though_most_half_cycles_are_fast() {
     assert!(!Character::of(sessions.iter(), 0.02).single_frequency());
 }
 
+/// Half a second at the lower end between one cycle and the next, and one in the middle.
+#[test]
+fn a_rest_is_no_second_frequency() {
+    let cycle = |k: u32| 10.0 - 10.0 * (std::f64::consts::TAU * 1e-3 * f64::from(k)).cos();
+    let rests = |at: f64, ticks: usize| std::iter::repeat_n(at, ticks);
+    let cycles = |middle: usize| -> Vec<f64> {
+        (0..6)
+            .flat_map(|_| {
+                (0..250).map(cycle).chain(rests(10.0, middle)).chain((250..1000).map(cycle)).chain(rests(0.0, 500))
+            })
+            .collect()
+    };
+    let characters = [0, 600].map(|middle| Character::of([&session(cycles(middle))].into_iter(), 0.02));
+    let going_on = session((0..6000).map(cycle).collect());
+    let without = Character::of([&going_on].into_iter(), 0.02);
+    for rested in characters {
+        assert!(rested.single_frequency() && rested.rests(), "{rested:?}");
+    }
+    assert!(without.single_frequency() && !without.rests());
+    let slower = session((0..6000).map(|k| cycle(k / 3)).collect());
+    let both = Character::of([&session(cycles(0)), &slower].into_iter(), 0.02);
+    assert!(!both.single_frequency(), "a slower cycle is one");
+}
+
 #[test]
 fn a_glitch_is_no_second_amplitude() {
     let mut glitched = sine(20.0, 5.0);
@@ -68,6 +92,12 @@ fn the_steps_of_a_staircase_are_counted_and_a_fast_sine_has_none() {
     let stairs = session(amplifier.collect());
     assert_eq!(Character::of([&stairs].into_iter(), 0.02).steps, 5);
     assert_eq!(Character::of([&sine(20.0, 80.0)].into_iter(), 0.02).steps, 0);
+    // A slower one, of 25 ms a level.
+    let slow =
+        session((0..1600_u32).map(|k| (0..25).map(|back| level(k.saturating_sub(back))).sum::<f64>() / 25.0).collect());
+    let character = Character::of([&slow].into_iter(), 0.02);
+    assert_eq!((character.steps, character.fast_moves), (0, 5));
+    assert_eq!(Character::of([&sine(20.0, 10.0)].into_iter(), 0.02).fast_moves, 0);
     // Read every 10 ms, a step shows no lag.
     let instants: Vec<u32> = (0..160).map(|k| 10 * k).collect();
     let seldom = Session::new("x".into(), stairs.voltage, instants, vec![0.0; 160], 1e-3);

@@ -62,7 +62,7 @@ pub struct Family {
     /// Half-widths, V, and Δr_i/R.
     pub plays: [(f64, f64); PLAYS],
     pub scale: Scale,
-    /// Creep gains that several frequencies tell from a loop's width are freed in the end.
+    /// Creep gains that several frequencies or rests tell from a loop's width are freed in the end.
     pub frees_creep: bool,
     pub tick: f64,
     /// The least from one reading of a session to the next, s.
@@ -119,7 +119,7 @@ impl Family {
             span,
             plays: std::array::from_fn(|i| (radius * half_width(i), half_width(i) - before(i))),
             scale: Scale { stroke: problem.stroke().span(), several_amplitudes: !character.single_amplitude() },
-            frees_creep: !character.single_frequency(),
+            frees_creep: !character.single_frequency() || character.rests(),
             tick,
             interval_s: problem.training().map(Session::interval_s).fold(f64::INFINITY, f64::min).max(tick),
             slews: slews(problem, tick),
