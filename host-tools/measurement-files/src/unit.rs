@@ -65,11 +65,17 @@ pub enum Unit {
     Nanometre,
     /// Displacement in picometres, pm.
     Picometre,
+    /// Time in hours, h.
+    Hour,
+    /// Time in minutes, min.
+    Minute,
+    /// Displacement in ångströms, 0.1 nm.
+    Angstrom,
 }
 
 impl Unit {
-    /// Every unit, from large to small within a quantity.
-    const ALL: [Self; 13] = [
+    /// Every unit, from large to small within a quantity, those that are no power of a thousand from the rest behind.
+    const ALL: [Self; 16] = [
         Self::Second,
         Self::Millisecond,
         Self::Microsecond,
@@ -83,15 +89,20 @@ impl Unit {
         Self::Micrometre,
         Self::Nanometre,
         Self::Picometre,
+        Self::Hour,
+        Self::Minute,
+        Self::Angstrom,
     ];
 
     /// What this unit measures.
     #[must_use]
     pub fn quantity(self) -> Quantity {
         match self {
-            Self::Second | Self::Millisecond | Self::Microsecond | Self::Nanosecond => Quantity::Time,
+            Self::Second | Self::Millisecond | Self::Microsecond | Self::Nanosecond | Self::Minute | Self::Hour => {
+                Quantity::Time
+            }
             Self::Kilovolt | Self::Volt | Self::Millivolt | Self::Microvolt => Quantity::Voltage,
-            Self::Metre | Self::Millimetre | Self::Micrometre | Self::Nanometre | Self::Picometre => {
+            Self::Metre | Self::Millimetre | Self::Micrometre | Self::Nanometre | Self::Picometre | Self::Angstrom => {
                 Quantity::Displacement
             }
         }
@@ -107,6 +118,9 @@ impl Unit {
             Self::Nanosecond => value / 1e9,
             Self::Kilovolt | Self::Millimetre => value * 1e3,
             Self::Metre => value * 1e6,
+            Self::Minute => value * 60.0,
+            Self::Hour => value * 3600.0,
+            Self::Angstrom => value / 1e4,
         }
     }
 
@@ -139,6 +153,9 @@ impl Unit {
             Self::Micrometre => "um",
             Self::Nanometre => "nm",
             Self::Picometre => "pm",
+            Self::Hour => "h",
+            Self::Minute => "min",
+            Self::Angstrom => "angstrom",
         }
     }
 }
@@ -151,7 +168,7 @@ impl fmt::Display for Unit {
 
 /// The text names none of the units a log may be written in.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("unknown unit {0:?}: use s, ms, us, ns, kV, V, mV, uV, m, mm, um, nm or pm")]
+#[error("unknown unit {0:?}: use s, ms, us, ns, min, h, kV, V, mV, uV, m, mm, um, nm, pm or angstrom")]
 pub struct UnknownUnit(pub String);
 
 impl FromStr for Unit {
@@ -171,7 +188,7 @@ impl FromStr for Unit {
 }
 
 /// How each unit is written: its symbol, and names in English, German, French, Spanish, Italian, Chinese and Japanese.
-const SPELLINGS: [(Unit, &[&str]); 13] = [
+const SPELLINGS: [(Unit, &[&str]); 16] = [
     (
         Unit::Second,
         &[
@@ -236,6 +253,9 @@ const SPELLINGS: [(Unit, &[&str]); 13] = [
         ],
     ),
     (Unit::Nanometre, &["nm", "nanometre", "nanometres", "nanometer", "nanometers", "纳米", "ナノメートル"]),
+    (Unit::Hour, &["h", "hr", "hrs", "hour", "hours", "std", "stunde", "stunden", "heure", "heures", "小时"]),
+    (Unit::Minute, &["min", "mins", "minute", "minutes", "minuten", "minuto", "minutos", "minuti", "分钟", "分"]),
+    (Unit::Angstrom, &["angstrom", "angstroms", "\u{e5}", "a\u{30a}", "\u{e5}ngstr\u{f6}m", "angstr\u{f6}m", "埃"]),
     (Unit::Picometre, &["pm", "picometre", "picometres", "picometer", "picometers", "皮米"]),
 ];
 
@@ -267,7 +287,10 @@ mod tests {
         for text in ["Mikrometer", "微米", "micromètres"] {
             assert_eq!(text.parse(), Ok(Unit::Micrometre), "{text}");
         }
-        for mega in ["MV", "Mm", "M", "Ms", "furlong", "", "mA"] {
+        for text in ["\u{c5}", "\u{212b}", "A\u{30a}", "Angstrom", "\u{c5}ngstr\u{f6}m"] {
+            assert_eq!(text.parse(), Ok(Unit::Angstrom), "{text}");
+        }
+        for mega in ["A", "MV", "Mm", "M", "Ms", "furlong", "", "mA"] {
             assert!(mega.parse::<Unit>().is_err(), "{mega}");
         }
     }
@@ -284,6 +307,8 @@ mod tests {
         assert_eq!(Unit::Picometre.to_base(12e6), 12.0);
         assert_eq!(Unit::Microvolt.to_base(1.5e6), 1.5);
         assert_eq!(Unit::Nanosecond.to_base(500_000.0), 0.0005);
+        assert_eq!([Unit::Minute.to_base(0.5), Unit::Hour.to_base(0.5)], [30.0, 1800.0]);
+        assert_eq!(Unit::Angstrom.to_base(120_000.0), 12.0);
     }
 
     #[test]
@@ -292,5 +317,6 @@ mod tests {
         assert_eq!(Unit::Micrometre.larger(), Some(Unit::Millimetre));
         assert_eq!(Unit::Nanosecond.smaller(), None);
         assert_eq!(Unit::Kilovolt.larger(), None);
+        assert_eq!((Unit::Second.larger(), Unit::Picometre.smaller(), Unit::Minute.smaller()), (None, None, None));
     }
 }

@@ -93,7 +93,15 @@ impl Label {
     pub fn unit_as(&self, quantity: Quantity, example: &str) -> Result<Option<Unit>, Fault> {
         let (column, example) = (excerpt(&self.text), example.to_owned());
         match self.unit.clone().transpose() {
-            Err(UnknownUnit(unit)) => Err(Fault::UnknownUnit { column, unit: UnknownUnit(excerpt(&unit)), example }),
+            Err(UnknownUnit(unit)) => {
+                // Which of the units it is, the file does not say.
+                let open = |of: &str| match of.split_once(':').filter(|(is, _)| is.starts_with(&quantity.to_string())) {
+                    Some((is, _)) => format!("{is}:<UNIT>"),
+                    None => of.to_owned(),
+                };
+                let example = example.split(',').map(open).collect::<Vec<_>>().join(",");
+                Err(Fault::UnknownUnit { column, unit: UnknownUnit(excerpt(&unit)), example })
+            }
             Ok(Some(unit)) if unit.quantity() != quantity => {
                 Err(Fault::WrongDimension { column, quantity, unit, example })
             }
