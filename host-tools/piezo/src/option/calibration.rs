@@ -22,7 +22,7 @@ pub struct CalibrationArgs {
     #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "V:V")]
     pub adc_span: Option<Span>,
     /// Largest ADC code (with oversampling); 4095 where nothing else is known.
-    #[arg(long, value_parser = clap::value_parser!(u16).range(3..))]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(3..), allow_negative_numbers = true)]
     pub adc_full_scale: Option<u16>,
     /// Fastest change of the amplifier's output, V/s: its slew rate, or its peak current over the stack's capacitance,
     /// whichever is less; or the slew limit of what drives it. A device then finds a monitor's wire that is off, and
@@ -34,7 +34,7 @@ pub struct CalibrationArgs {
     #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "µm:µm")]
     pub dac_span: Option<Span>,
     /// Largest DAC code; 4095 where nothing else is known.
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..), allow_negative_numbers = true)]
     pub dac_full_scale: Option<u16>,
     /// The DAC as the amplifier's input.
     #[command(flatten)]

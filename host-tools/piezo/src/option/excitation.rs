@@ -15,10 +15,10 @@ pub struct ExcitationArgs {
     #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "V:V")]
     pub range: Option<Span>,
     /// Highest frequency, Hz: 50, 50Hz or 0.05kHz.
-    #[arg(long, default_value_t = 20.0, value_parser = hertz, value_name = "HZ")]
+    #[arg(long, default_value_t = 20.0, value_parser = hertz, value_name = "HZ", allow_negative_numbers = true)]
     pub up_to: f64,
     /// Draws the random part.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u64,
 }
 

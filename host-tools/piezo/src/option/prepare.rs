@@ -11,7 +11,7 @@ use recordings::prepare::{AutoOr, Decimation, PrepareOptions, Recipe};
 pub struct PrepareArgs {
     /// Tick, µs; 500, the thesis's 2 kHz, where none is typed and the logs are no training session's, which
     /// has its board's.
-    #[arg(long, hide_short_help = true, value_parser = clap::value_parser!(u32).range(10..=1_000_000))]
+    #[arg(long, hide_short_help = true, value_parser = clap::value_parser!(u32).range(10..=1_000_000), allow_negative_numbers = true)]
     pub tick_us: Option<u32>,
     /// Factor on the recorded voltage, to that at the actuator: 20 of a monitor 1:20, the amplifier's gain
     /// of its input.

@@ -36,10 +36,10 @@ pub struct RigArgs {
     #[arg(long, default_value_t = DEFAULT.voltage_noise, allow_negative_numbers = true)]
     pub voltage_noise: f64,
     /// Record the voltage as a converter of this many bits over ±110 % of the amplitude would.
-    #[arg(long, value_parser = clap::value_parser!(u8).range(4..=24))]
+    #[arg(long, value_parser = clap::value_parser!(u8).range(4..=24), allow_negative_numbers = true)]
     pub adc_bits: Option<u8>,
     /// Seed of the noise.
-    #[arg(long, default_value_t = DEFAULT.seed)]
+    #[arg(long, default_value_t = DEFAULT.seed, allow_negative_numbers = true)]
     pub seed: u64,
 }
 

@@ -20,25 +20,25 @@ pub struct SearchArgs {
     #[arg(long, hide_short_help = true, value_parser = choice(RANGES), default_value = "data")]
     pub ranges: Ranges,
     /// Bits a gene.
-    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.bits, value_parser = clap::value_parser!(u32).range(2..=30))]
+    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.bits, value_parser = clap::value_parser!(u32).range(2..=30), allow_negative_numbers = true)]
     pub bits: u32,
     /// Chromosomes of a generation, an even number.
-    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.population, value_parser = even)]
+    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.population, value_parser = even, allow_negative_numbers = true)]
     pub population: usize,
     /// Generations a round.
-    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.generations, value_parser = clap::value_parser!(u32).range(0..=1_000_000))]
+    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.generations, value_parser = clap::value_parser!(u32).range(0..=1_000_000), allow_negative_numbers = true)]
     pub generations: u32,
     /// Rounds of shrinking ranges.
-    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.rounds, value_parser = clap::value_parser!(u32).range(1..=50))]
+    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.rounds, value_parser = clap::value_parser!(u32).range(1..=50), allow_negative_numbers = true)]
     pub rounds: u32,
     /// Width of a round's ranges as a fraction of the round's before, around the best so far.
-    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.shrink, value_parser = fraction)]
+    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.shrink, value_parser = fraction, allow_negative_numbers = true)]
     pub shrink: f64,
     /// Stop a round after so many generations without improvement; 0: never.
-    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.patience)]
+    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.patience, allow_negative_numbers = true)]
     pub patience: u32,
     /// Bits flipped in a generation, as a fraction of all.
-    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.mutation, value_parser = fraction)]
+    #[arg(long, hide_short_help = true, default_value_t = DEFAULT.mutation, value_parser = fraction, allow_negative_numbers = true)]
     pub mutation: f64,
     /// Choice of parents.
     #[arg(long, hide_short_help = true, value_parser = choice(SELECTIONS), default_value = "tournament")]
@@ -58,11 +58,11 @@ pub struct SearchArgs {
         hide_short_help = true,
         help_heading = OTHERS,
         default_value_t = DEFAULT.evaluations,
-        value_parser = clap::value_parser!(u32).range(1..=1_000_000)
+        value_parser = clap::value_parser!(u32).range(1..=1_000_000), allow_negative_numbers = true
     )]
     pub evaluations: u32,
     /// Seed; the same seed gives the same table on any number of threads.
-    #[arg(long, hide_short_help = true, help_heading = "Any search", default_value_t = DEFAULT.seed)]
+    #[arg(long, hide_short_help = true, help_heading = "Any search", default_value_t = DEFAULT.seed, allow_negative_numbers = true)]
     pub seed: u32,
 }
 

@@ -32,7 +32,7 @@ pub struct Compare {
     /// Candidates that may be evaluated for each model, of all its structures together. A model in
     /// which nothing is to be searched takes one, its least-squares solution; one with several such structures one
     /// each.
-    #[arg(long, value_name = "N", default_value_t = 4000, value_parser = clap::value_parser!(u32).range(1..=100_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 4000, value_parser = clap::value_parser!(u32).range(1..=100_000_000), allow_negative_numbers = true)]
     pub budget: u32,
     /// Method for every model.
     #[arg(long, value_parser = choice(OPTIMISERS), default_value = "local")]
@@ -41,7 +41,7 @@ pub struct Compare {
     #[arg(long, value_parser = choice(STARTS), default_value = "family")]
     pub start: Start,
     /// Seed; the same seed gives the same result on any number of threads.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u32,
     /// What is fitted to what.
     #[command(flatten)]

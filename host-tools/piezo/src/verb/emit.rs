@@ -36,7 +36,7 @@ pub struct Emit {
     pub face: Option<Face>,
     /// Bring the table to this tick, µs, without another search: that of a board whose image was built
     /// for another rate.
-    #[arg(long, value_parser = clap::value_parser!(u32).range(10..=1_000_000))]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(10..=1_000_000), allow_negative_numbers = true)]
     pub tick_us: Option<u32>,
     /// Print what was written as JSON.
     #[arg(long, conflicts_with = "face")]

@@ -25,18 +25,18 @@ pub struct Emulate {
     #[arg(long, value_name = "KIND", value_parser = choice(KINDS), default_value = "relays")]
     pub device: Kind,
     /// Which actuator of that kind, with the errors of its converters and its sensor.
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true)]
     pub seed: u64,
     /// Port of this machine at which the device listens; 0 is any that is free.
-    #[arg(long, default_value_t = 4740)]
+    #[arg(long, default_value_t = 4740, allow_negative_numbers = true)]
     pub tcp_port: u16,
     /// Seconds of the device in a second, one where it waits for the host's voltages. Beyond some twenty the link
     /// cannot carry every sample away.
-    #[arg(long, default_value_t = 1.0, value_parser = positive)]
+    #[arg(long, default_value_t = 1.0, value_parser = positive, allow_negative_numbers = true)]
     pub speed: f64,
     /// A spring that the actuator pushes against, in the actuator's own stiffness: 1 halves the stroke. What a load
     /// does to a table: let it be learnt without, keep it with --flash, start again with --load, and prove it
-    #[arg(long, value_name = "RATIO", value_parser = not_negative)]
+    #[arg(long, value_name = "RATIO", value_parser = not_negative, allow_negative_numbers = true)]
     pub load: Option<f64>,
     /// Kelvin a minute by which the actuator warms up. Each lengthens it by about 1 % of its stroke, and takes 0.3 %
     /// of its strain

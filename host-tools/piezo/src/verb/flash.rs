@@ -31,7 +31,7 @@ pub struct Flash {
     #[arg(long)]
     pub probe: Option<String>,
     /// Address of the parameter pages. With --image its symbols say; else that of the NUCLEO-G474RE, 0x0807f000.
-    #[arg(long, value_parser = address, conflicts_with = "image", value_name = "ADDRESS")]
+    #[arg(long, value_parser = address, conflicts_with = "image", value_name = "ADDRESS", allow_negative_numbers = true)]
     pub parameters_at: Option<u32>,
     /// What becomes of a table that has doubts.
     #[command(flatten)]

@@ -50,8 +50,8 @@ pub struct Identify {
         long,
         hide_short_help = true,
         help_heading = "The interval beside the estimate",
-        default_value_t = prediction_interval::DEVICES,
-        value_name = "N"
+        default_value_t = prediction_interval::DEVICES, value_parser = clap::value_parser!(u32).range(0..=1_000),
+        value_name = "N", allow_negative_numbers = true
     )]
     pub devices: u32,
     /// How models are searched.

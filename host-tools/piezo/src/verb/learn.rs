@@ -24,10 +24,10 @@ pub struct Learn {
     #[arg(long)]
     pub out: PathBuf,
     /// Length of the training, minutes.
-    #[arg(long, default_value_t = 2.0, value_parser = positive)]
+    #[arg(long, default_value_t = 2.0, value_parser = positive, allow_negative_numbers = true)]
     pub minutes: f64,
     /// Length of the proof, s.
-    #[arg(long, default_value_t = 30.0, value_parser = positive)]
+    #[arg(long, default_value_t = 30.0, value_parser = positive, allow_negative_numbers = true)]
     pub proof_seconds: f64,
     /// Say what would be driven and typed, and drive nothing.
     #[arg(long)]

@@ -47,7 +47,7 @@ pub struct Monitor {
     #[arg(long, value_parser = choice(FORMATS), default_value = "teleplot", requires = "udp")]
     pub format: Format,
     /// Of so many ticks, at most a second's, send those at which a quantity is least or largest; 1 sends all.
-    #[arg(long, value_name = "TICKS", default_value_t = 10, value_parser = |text: &str| count::<u32>(text, "; 1 sends all"), requires = "udp")]
+    #[arg(long, value_name = "TICKS", default_value_t = 10, value_parser = |text: &str| count::<u32>(text, "; 1 sends all"), requires = "udp", allow_negative_numbers = true)]
     pub every: u32,
     /// What the board's wires stand for: a board.toml. Where it says a sensor_span, page and datagrams have
     /// the sensor, too.

@@ -26,7 +26,7 @@ pub struct Pil {
     #[arg(required = true, value_name = "[TABLE] LOG")]
     pub files: Vec<PathBuf>,
     /// Feed no more than so many ticks of each log.
-    #[arg(long, value_parser = |text: &str| count::<u64>(text, "; leave it out for all of them"))]
+    #[arg(long, value_parser = |text: &str| count::<u64>(text, "; leave it out for all of them"), allow_negative_numbers = true)]
     pub limit: Option<u64>,
     /// Print the comparison as JSON.
     #[arg(long)]

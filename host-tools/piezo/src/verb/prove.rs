@@ -22,19 +22,19 @@ pub struct Prove {
     #[arg(long, default_value = "proof")]
     pub out: PathBuf,
     /// Length of the random voltage, s.
-    #[arg(long, default_value_t = 30.0, value_parser = positive)]
+    #[arg(long, default_value_t = 30.0, value_parser = positive, allow_negative_numbers = true)]
     pub seconds: f64,
     /// Its length in minutes.
-    #[arg(long, value_parser = positive, conflicts_with = "seconds")]
+    #[arg(long, value_parser = positive, conflicts_with = "seconds", allow_negative_numbers = true)]
     pub minutes: Option<f64>,
     /// Highest frequency, Hz: 50, 50Hz or 0.05kHz.
-    #[arg(long, default_value_t = 20.0, value_parser = hertz, value_name = "HZ")]
+    #[arg(long, default_value_t = 20.0, value_parser = hertz, value_name = "HZ", allow_negative_numbers = true)]
     pub up_to: f64,
     /// Lowest and highest voltage, V; without it all that the table and board.toml allow.
     #[arg(long, value_parser = span, allow_hyphen_values = true, value_name = "V:V")]
     pub range: Option<Span>,
     /// Draws the voltages; another than the training's.
-    #[arg(long, default_value_t = 2)]
+    #[arg(long, default_value_t = 2, allow_negative_numbers = true)]
     pub seed: u64,
     /// Pass where the mean absolute error is at most this, % of the stroke; 2 where the table states a ±, which must
     /// hold the sensor for 80 % of the time besides: it says 95 % over many recordings.

@@ -27,7 +27,7 @@ pub struct Record {
     #[arg(long, value_parser = not_negative, allow_negative_numbers = true, conflicts_with = "samples")]
     pub seconds: Option<f64>,
     /// Length of the recording, ticks.
-    #[arg(long, value_parser = |text: &str| count::<u64>(text, "; leave it out to go on until Ctrl-C"))]
+    #[arg(long, value_parser = |text: &str| count::<u64>(text, "; leave it out to go on until Ctrl-C"), allow_negative_numbers = true)]
     pub samples: Option<u64>,
     /// Go on when samples are lost. The time column then leaps; of such a log identify leaves out what is
     /// missing with --repair.

@@ -44,10 +44,10 @@ pub struct Reproduce {
     #[arg(long, default_value_t = 2.0, value_parser = limit, allow_negative_numbers = true)]
     pub limit: f64,
     /// Seed of the rig's noise.
-    #[arg(long, default_value_t = 1, conflicts_with = "logs")]
+    #[arg(long, default_value_t = 1, conflicts_with = "logs", allow_negative_numbers = true)]
     pub rig_seed: u64,
     /// Seeds of devices and searches that `elsewhere` takes medians over; 10 for figures to rely on, some minutes.
-    #[arg(long, default_value_t = QUICK_SEEDS, value_parser = clap::value_parser!(u32).range(1..=100))]
+    #[arg(long, default_value_t = QUICK_SEEDS, value_parser = clap::value_parser!(u32).range(1..=100), allow_negative_numbers = true)]
     pub seeds: u32,
     /// Models that `elsewhere` learns, separated by commas; all where none is named.
     #[arg(long, value_name = "MODEL,…", value_delimiter = ',', value_parser = models())]

@@ -20,7 +20,7 @@ pub struct Train {
     #[arg(long)]
     pub out: PathBuf,
     /// Length of the whole session, minutes.
-    #[arg(long, default_value_t = 2.0, value_parser = crate::option::positive)]
+    #[arg(long, default_value_t = 2.0, value_parser = crate::option::positive, allow_negative_numbers = true)]
     pub minutes: f64,
     /// Say what would be driven and what that would tell of an emulated actuator, and drive nothing.
     #[arg(long)]
