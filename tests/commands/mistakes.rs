@@ -23,7 +23,11 @@ fn unusable_logs_name_file_line_and_remedy() {
     case("gap.csv", &rows(""), &[":52"]);
     case("back.csv", &rows("0.001,1,1\n"), &[":52"]);
     case("short.csv", "time_s,voltage_V,displacement_um\n0,1,1\n0.0005,2,2\n", &["2"]);
-    case("unit.csv", &rows("0.025,1,1\n").replace("displacement_um", "displacement_furlong"), &["furlong"]);
+    case(
+        "unit.csv",
+        &rows("0.025,1,1\n").replace("displacement_um", "displacement_furlong"),
+        &["furlong", "displacement=3:<UNIT>"],
+    );
     case("plain.dat", "1.0 2.0\n3.0 4.0\n", &["--columns", "--fs"]);
     refused(&["identify", "nowhere.csv", "--out", text(&out)], &["nowhere.csv"]);
     refused(&["identify", "tests/data", "--out", text(&out)], &["tests/data"]);

@@ -74,7 +74,8 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// Every unit, from large to small within a quantity, those that are no power of a thousand from the rest behind.
+    /// Every unit, from large to small within a quantity; behind them those that are no power of a thousand away, of
+    /// which none is another's neighbour.
     const ALL: [Self; 16] = [
         Self::Second,
         Self::Millisecond,
@@ -90,8 +91,8 @@ impl Unit {
         Self::Nanometre,
         Self::Picometre,
         Self::Hour,
-        Self::Minute,
         Self::Angstrom,
+        Self::Minute,
     ];
 
     /// What this unit measures.
@@ -122,6 +123,12 @@ impl Unit {
             Self::Hour => value * 3600.0,
             Self::Angstrom => value / 1e4,
         }
+    }
+
+    /// Whether a column that is called by this alone holds it: a `min` or an `h` may be something else.
+    #[must_use]
+    pub fn names_a_column(self) -> bool {
+        !matches!(self, Self::Minute | Self::Hour | Self::Angstrom)
     }
 
     /// The next smaller unit of the same quantity.
@@ -253,7 +260,13 @@ const SPELLINGS: [(Unit, &[&str]); 16] = [
         ],
     ),
     (Unit::Nanometre, &["nm", "nanometre", "nanometres", "nanometer", "nanometers", "纳米", "ナノメートル"]),
-    (Unit::Hour, &["h", "hr", "hrs", "hour", "hours", "std", "stunde", "stunden", "heure", "heures", "小时"]),
+    (
+        Unit::Hour,
+        &[
+            "h", "hr", "hrs", "hour", "hours", "stunde", "stunden", "heure", "heures", "hora", "horas", "ora", "ore",
+            "小时", "時間",
+        ],
+    ),
     (Unit::Minute, &["min", "mins", "minute", "minutes", "minuten", "minuto", "minutos", "minuti", "分钟", "分"]),
     (Unit::Angstrom, &["angstrom", "angstroms", "\u{e5}", "a\u{30a}", "\u{e5}ngstr\u{f6}m", "angstr\u{f6}m", "埃"]),
     (Unit::Picometre, &["pm", "picometre", "picometres", "picometer", "picometers", "皮米"]),
@@ -317,6 +330,9 @@ mod tests {
         assert_eq!(Unit::Micrometre.larger(), Some(Unit::Millimetre));
         assert_eq!(Unit::Nanosecond.smaller(), None);
         assert_eq!(Unit::Kilovolt.larger(), None);
-        assert_eq!((Unit::Second.larger(), Unit::Picometre.smaller(), Unit::Minute.smaller()), (None, None, None));
+        for unit in [Unit::Hour, Unit::Minute, Unit::Angstrom] {
+            assert_eq!((unit.smaller(), unit.larger()), (None, None), "{unit}");
+        }
+        assert_eq!((Unit::Second.larger(), Unit::Picometre.smaller()), (None, None));
     }
 }

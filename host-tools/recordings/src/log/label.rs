@@ -28,7 +28,7 @@ impl Label {
                 return label(name, Some(unit.parse()));
             }
         }
-        if let Ok(unit) = text.parse() {
+        if let Some(unit) = text.parse().ok().filter(|unit: &Unit| unit.names_a_column()) {
             return label("", Some(Ok(unit)));
         }
         let whole = label(text, None);
