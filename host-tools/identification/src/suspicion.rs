@@ -106,7 +106,7 @@ pub fn doubts(
     if character.single_frequency() {
         let lag_known = character.steps > 0 || lag_s.is_some_and(|said| kept(said, candidate));
         doubts.push(Doubt::SingleFrequency { lag_known });
-    } else if character.fast_moves == 0 {
+    } else if character.steps == 0 && character.fast_moves == 0 {
         doubts.push(Doubt::NoFastMove);
     }
     for comparison in &candidate.held_out {

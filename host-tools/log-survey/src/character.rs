@@ -15,7 +15,8 @@ pub struct Character {
     /// Steps of at least 10 % of the voltage span from one rest to another, where the readings are close enough to show
     /// the lag behind a step.
     pub steps: usize,
-    /// The same with as long as 50 ms from one rest to the other: they still show how the actuator comes to rest.
+    /// The same with up to 50 ms from one rest to the other, of rests that go on for as long: they show how the
+    /// actuator comes to rest.
     pub fast_moves: usize,
     half_cycles: Vec<HalfCycle>,
 }
@@ -45,6 +46,8 @@ const RARE: f64 = 0.05;
 /// A half cycle's voltage stands still where it stays within [`STILL`] of its swing for more than this part of it: a
 /// sine does so for 9 % at each end.
 const RESTS: f64 = 0.15;
+/// A voltage that moves for less than this part of a half cycle steps.
+const INSTANTLY: f64 = 0.05;
 
 impl Character {
     /// Looks at the voltages of some sessions; `deadband` (V) is the model's.
@@ -72,7 +75,8 @@ impl Character {
     /// Whether the voltage moves for about the same time in all half cycles. A rest makes a half cycle longer, and says
     /// nothing of how the actuator follows a faster one.
     pub fn single_frequency(&self) -> bool {
-        self.single(|half_cycle| half_cycle.moving_s)
+        // A step of one tick or two is the same to a half cycle.
+        self.single(|half_cycle| half_cycle.moving_s.max(INSTANTLY * half_cycle.seconds))
     }
 
     /// Whether the voltage stands still for some of the time.

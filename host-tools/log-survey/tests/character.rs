@@ -36,6 +36,16 @@ fn the_thesis_s_frequencies_are_several_though_most_half_cycles_are_fast() {
     assert!(!Character::of(sessions.iter(), 0.02).single_frequency());
 }
 
+#[test]
+fn a_square_wave_has_one_frequency_however_steep_it_is() {
+    for ticks in [1, 2, 3] {
+        let ramp = move |k: u32| f64::from((k % 1000).min(ticks)) / f64::from(ticks);
+        let square: Vec<f64> = (0..8000).map(|k| if (k / 1000) % 2 == 0 { ramp(k) } else { 1.0 - ramp(k) }).collect();
+        let character = Character::of([&session(square)].into_iter(), 0.02);
+        assert!(character.single_frequency() && character.rests() && character.steps > 5, "{ticks}: {character:?}");
+    }
+}
+
 /// Half a second at the lower end between one cycle and the next, and one in the middle.
 #[test]
 fn a_rest_is_no_second_frequency() {

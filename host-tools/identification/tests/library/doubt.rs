@@ -88,6 +88,35 @@ fn a_single_frequency_is_that_of_what_is_delivered() {
 }
 
 #[test]
+fn a_log_that_goes_farther_than_the_training_and_waves_without_a_held_step_are_doubted() {
+    let rig = Rig { duration: 2.0, ..Rig::default() };
+    let [slow, fast] = [1, 2].map(|which| rig.log(EXCITATIONS[which]));
+    let double = |log: &Log| {
+        let twice = |values: &[f64]| values.iter().map(|of| 2.0 * of).collect::<Vec<_>>();
+        let displacement = log.displacement.as_deref().map(twice);
+        Log { voltage: twice(&log.voltage), displacement, sha256: "double".into(), ..log.clone() }
+    };
+    let doubted = |training: Vec<Log>, held_out: Vec<Log>| {
+        let doubts = Job { held_out, ..job(training, 0.0) }.run(&mut |_, _| ()).unwrap().doubts;
+        [
+            doubts.iter().any(|doubt| matches!(doubt, Doubt::BeyondTraining { .. })),
+            doubts.iter().any(|doubt| matches!(doubt, Doubt::NoFastMove)),
+        ]
+    };
+    assert_eq!(doubted(vec![slow.clone(), fast.clone()], vec![double(&slow)]), [true, true]);
+    let mut steps = slow.clone();
+    steps.sha256 = "steps".into();
+    for (row, volts) in steps.voltage.iter_mut().enumerate() {
+        *volts = if row / 400 % 2 == 0 { 5.0 } else { -5.0 };
+    }
+    steps.displacement = Some(steps.voltage.iter().map(|volts| 0.1 * volts).collect());
+    assert_eq!(
+        doubted(vec![slow.clone(), fast, steps], vec![Rig { seed: 7, ..rig }.log(EXCITATIONS[1])]),
+        [false, false]
+    );
+}
+
+#[test]
 fn a_duhem_set_that_breaks_a_condition_is_doubted_and_one_that_meets_them_is_not() {
     let rig = Rig { duration: 0.5, ..Rig::default() };
     let outcome =
