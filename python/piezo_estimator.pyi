@@ -310,7 +310,8 @@ def identify(
 ) -> Identified:
     """Identifies a table from logs, as `piezo identify` does with the options of the same names, and says of them.
 
-    What was held out of `logs` is learnt from in the end, unless `as_judged`.
+    Of each of `logs` the fraction `hold_out` is held out, its end or, where the ends go beyond what is before, stretches;
+    it is learnt from in the end, unless `as_judged`.
 
     Ctrl-C ends it between two generations of a search.
     """

@@ -92,6 +92,7 @@ pub fn identify(
 ) -> PyResult<Identified> {
     let hold_out = findings::hold_out(hold_out, !validate_on.is_empty());
     require((0.0..1.0).contains(&hold_out), "hold_out must lie between 0 and 1")?;
+    require(devices <= 1_000, "devices must be 1000 at most")?;
     require(lag_ms.is_none_or(|ms| ms > 0.0 && ms.is_finite()), "lag_ms must be above 0")?;
     require((1..=1_000_000).contains(&evaluations), "evaluations must lie between 1 and 1000000")?;
     require(adc_full_scale != Some(0) && dac_full_scale != Some(0), "a converter's full scale must be above 0")?;

@@ -136,6 +136,10 @@ fn numbers_that_make_no_sense_are_refused_by_the_name_of_their_option() {
     let longest = message.split(|c: char| !c.is_ascii_digit()).map(str::len).max();
     assert!(longest >= Some(9), "the number of ticks is missing: {message}");
     refused(&["identify", MEASURED, "--generations", "99999999999", "--out", out], &["--generations", "99999999999"]);
+    for option in ["--seed", "--devices", "--population"] {
+        let said = refused(&["identify", MEASURED, option, "-1", "--out", out], &[option, "-1"]);
+        assert!(!said.contains("tip:"), "{said}");
+    }
     refused(&["reproduce", "--limit", "nan"], &["--limit"]);
     refused(&["validate", TABLE, MEASURED, "--skip-start", "nan"], &["--skip-start"]);
     refused(&["simulate", "--creep", "nan", "--out", out], &["--creep"]);

@@ -45,7 +45,7 @@ pub struct Identify {
     /// What the target's converters stand for.
     #[command(flatten)]
     pub calibration: CalibrationArgs,
-    /// Devices to simulate for the interval beside the estimate; 0 for a table without one.
+    /// Devices to simulate for the interval beside the estimate, up to 1000; 0 for a table without one.
     #[arg(
         long,
         hide_short_help = true,

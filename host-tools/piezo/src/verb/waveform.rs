@@ -21,10 +21,10 @@ pub struct Waveform {
     #[arg(required_unless_present = "stop")]
     pub line: Option<PathBuf>,
     /// Ticks from each point to the next; without it as many as its time takes.
-    #[arg(long, value_name = "TICKS", value_parser = |text: &str| count::<NonZeroU16>(text, "; leave it out for as many as its time takes"))]
+    #[arg(long, value_name = "TICKS", value_parser = |text: &str| count::<NonZeroU16>(text, "; leave it out for as many as its time takes"), allow_negative_numbers = true)]
     pub every: Option<NonZeroU16>,
     /// Go to rest after so many lines; without it, at --stop, a fault or a reset.
-    #[arg(long, value_name = "LINES", value_parser = |text: &str| count::<NonZeroU32>(text, "; leave it out for lines without an end"))]
+    #[arg(long, value_name = "LINES", value_parser = |text: &str| count::<NonZeroU32>(text, "; leave it out for lines without an end"), allow_negative_numbers = true)]
     pub repeat: Option<NonZeroU32>,
     /// Begin each line at a rising edge of the trigger input.
     #[arg(long)]
