@@ -71,7 +71,7 @@ pub fn suspicion(suspicion: &Suspicion) -> String {
         ),
         Suspicion::Narrow { since, held_percent, in_motion, unsettled } => format!(
             "the ±{} holds the sensor {held_percent:.1} % of the time, and says 95 % over many recordings: {}is something else here than in the \
-             training, the load, the temperature, the sensor's zero, scale or mount? If not, learn from this log, too: `piezo identify` takes several{}",
+             training: the way the voltage goes (steps and rests, say), the load, the temperature, the sensor's zero, scale or mount? If not, learn from this log, too: `piezo identify` takes several{}",
             match since {
                 Since::Zero => " since the zero",
                 Since::OneCycle => ", told one cycle,",
