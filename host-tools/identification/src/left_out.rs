@@ -1,6 +1,7 @@
 //! What of the training data is left out in turn: whole logs, or a stretch of time of each.
 
 use crate::problem::Problem;
+use log_survey::read_where;
 use log_survey::settled::{judged_once_settled, settled};
 use recordings::session::Session;
 use serde::Serialize;
@@ -47,12 +48,7 @@ fn without_block(session: &Session, part: usize) -> (Session, Session) {
     let measured = session.instants.len();
     let at = |part: usize| first + part * (measured - first) / PARTS;
     let block = at(part)..at(part + 1);
-    let with = |kept: &dyn Fn(usize) -> bool| {
-        let indices = (0..measured).filter(|index| *index == 0 || kept(*index));
-        let (instants, displacement) = indices.map(|at| (session.instants[at], session.displacement[at])).unzip();
-        Session { instants, displacement, ..session.clone() }
-    };
-    (with(&|index| !block.contains(&index)), with(&|index| block.contains(&index)))
+    (read_where(session, |index| !block.contains(&index)), read_where(session, |index| block.contains(&index)))
 }
 
 #[cfg(test)]

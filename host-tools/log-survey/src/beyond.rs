@@ -1,13 +1,11 @@
 //! Whether logs go on as they began: an amplitude or a frequency that comes late in each of them is in none of their
 //! first parts.
 
-use crate::reversals::reversals;
+use crate::half_cycle::{HalfCycle, half_cycles, large_reversals};
 use estimator_core::Range;
 use recordings::log::Log;
 use std::collections::BTreeSet;
 
-/// Smaller half cycles than this part of the whole span are noise or glitches.
-const SMALLEST: f64 = 0.1;
 /// Classes of swings and of their durations: each this many times the one before. Half cycles in neighbouring classes
 /// of both are alike.
 const CLASS: f64 = 1.4;
@@ -20,21 +18,13 @@ const OF_A_GLITCH: usize = 3;
 const FARTHER: f64 = 0.02;
 const MISREAD: f64 = 2e-3;
 
-/// From one reversal to the next: how far, V, and how long, s.
-#[derive(Clone, Copy)]
-struct HalfCycle {
-    volts: f64,
-    seconds: f64,
+/// The classes of its swing and of its duration.
+fn class(of: &HalfCycle) -> [i32; 2] {
+    [of.volts, of.seconds].map(|of| (of.ln() / CLASS.ln()).floor() as i32)
 }
 
-impl HalfCycle {
-    fn class(self) -> [i32; 2] {
-        [self.volts, self.seconds].map(|of| (of.ln() / CLASS.ln()).floor() as i32)
-    }
-}
-
-/// Whether the second parts of logs go to voltages that no first part goes to, or through half cycles that none has
-/// one like.
+/// Whether the second parts of logs go to voltages that no first part goes to, or through half cycles like none of
+/// those in the first parts.
 pub fn ends_go_beyond<'l>(parts: impl Iterator<Item = (&'l Log, &'l Log)>) -> bool {
     let volts = |logs: &[&'l Log]| Range::of_values(logs.iter().flat_map(|log| log.voltage.iter().copied()));
     let (firsts, rests): (Vec<&Log>, Vec<&Log>) = parts.unzip();
@@ -44,22 +34,14 @@ pub fn ends_go_beyond<'l>(parts: impl Iterator<Item = (&'l Log, &'l Log)>) -> bo
     if late().filter(|volts| !known.contains(**volts)).count() as f64 > MISREAD * late().count() as f64 {
         return true;
     }
-    let smallest = SMALLEST * all.span();
-    let half_cycles = |log: &Log| {
-        let turns = reversals(&log.voltage, smallest);
-        let of = |pair: &[usize]| HalfCycle {
-            volts: (log.voltage[pair[1]] - log.voltage[pair[0]]).abs(),
-            seconds: (pair[1] - pair[0]) as f64 * log.sample_period,
-        };
-        turns.windows(2).map(of).collect::<Vec<_>>()
-    };
-    let known: BTreeSet<_> = firsts.into_iter().flat_map(half_cycles).map(HalfCycle::class).collect();
+    let of = |log: &Log| half_cycles(&log.voltage, &large_reversals(&log.voltage, all.span()), log.sample_period);
+    let known: BTreeSet<_> = firsts.into_iter().flat_map(of).map(|half_cycle| class(&half_cycle)).collect();
     let like = |class: [i32; 2]| {
         let near = |of: i32| of - 1..=of + 1;
         near(class[0]).any(|volts| near(class[1]).any(|seconds| known.contains(&[volts, seconds])))
     };
-    let late: Vec<HalfCycle> = rests.into_iter().flat_map(half_cycles).collect();
-    let unlike: Vec<HalfCycle> = late.iter().copied().filter(|of| !like(of.class())).collect();
+    let late: Vec<HalfCycle> = rests.into_iter().flat_map(of).collect();
+    let unlike: Vec<HalfCycle> = late.iter().copied().filter(|half_cycle| !like(class(half_cycle))).collect();
     let seconds = |of: &[HalfCycle]| of.iter().map(|of| of.seconds).sum::<f64>();
     let rare = unlike.len() as f64 <= RARE * late.len() as f64 && seconds(&unlike) <= RARE * seconds(&late);
     unlike.len() > OF_A_GLITCH && !rare

@@ -1,6 +1,7 @@
 //! What the training logs can teach: how many reversals they have, at how many frequencies and amplitudes, and whether
 //! the voltage steps.
 
+use crate::half_cycle::{HalfCycle, SMALLEST_SWING, half_cycles, large_reversals};
 use crate::reversals::reversals;
 use estimator_core::Range;
 use recordings::session::Session;
@@ -21,17 +22,6 @@ pub struct Character {
     half_cycles: Vec<HalfCycle>,
 }
 
-/// From one reversal to the next.
-#[derive(Clone, Copy, PartialEq, Debug)]
-struct HalfCycle {
-    seconds: f64,
-    /// Of these, what the voltage does not stand still in.
-    moving_s: f64,
-    volts: f64,
-}
-
-/// Reversals smaller than this fraction of the whole span are noise or glitches here.
-const SMALLEST_SWING: f64 = 0.1;
 /// A step takes no longer than this, s, and the voltage stands still for so long before and after it, s: within this
 /// part of the whole span.
 const STEP_S: f64 = 5e-3;
@@ -40,12 +30,9 @@ const STILL_S: f64 = 20e-3;
 const STILL: f64 = 0.02;
 /// Half cycles (or swings) whose extremes differ by less than this factor count as one frequency (or amplitude).
 const ONE: f64 = 1.25;
-/// Half cycles that together last less than this fraction of the time are glitches, at either end; rests as short are
-/// none.
+/// Half cycles, at either end, that together last less than this fraction of the time are glitches; and rests that do
+/// are no rests.
 const RARE: f64 = 0.05;
-/// A half cycle's voltage stands still where it stays within [`STILL`] of its swing for more than this part of it: a
-/// sine does so for 9 % at each end.
-const RESTS: f64 = 0.15;
 /// A voltage that moves for less than this part of a half cycle steps.
 const INSTANTLY: f64 = 0.05;
 
@@ -58,16 +45,11 @@ impl Character {
             Self { reversals: 0, reversals_at_deadband: 0, steps: 0, fast_moves: 0, half_cycles: Vec::new() };
         for session in sessions {
             character.reversals_at_deadband += reversals(&session.voltage, deadband).len();
-            let large = reversals(&session.voltage, SMALLEST_SWING * span);
+            let large = large_reversals(&session.voltage, span);
             character.reversals += large.len();
             character.steps += steps(session, span, STEP_S);
             character.fast_moves += steps(session, span, MOVE_S);
-            let half_cycles = large.windows(2).map(|pair| HalfCycle {
-                seconds: (pair[1] - pair[0]) as f64 * session.tick_s,
-                moving_s: moving(&session.voltage[pair[0]..=pair[1]]) as f64 * session.tick_s,
-                volts: (session.voltage[pair[1]] - session.voltage[pair[0]]).abs(),
-            });
-            character.half_cycles.extend(half_cycles);
+            character.half_cycles.extend(half_cycles(&session.voltage, &large, session.tick_s));
         }
         character
     }
@@ -108,24 +90,6 @@ impl Character {
             _ => true,
         }
     }
-}
-
-/// Ticks of a half cycle in which its voltage does not stand still.
-fn moving(voltage: &[f64]) -> usize {
-    let (least, within) =
-        ((RESTS * voltage.len() as f64) as usize, STILL * Range::of_values(voltage.iter().copied()).span());
-    let (mut still, mut from) = (0, 0);
-    while from < voltage.len() {
-        let mut range = Range { min: voltage[from], max: voltage[from] };
-        let stays = voltage[from..].iter().take_while(|&&volts| {
-            range = Range { min: range.min.min(volts), max: range.max.max(volts) };
-            range.span() <= within
-        });
-        let ticks = stays.count();
-        still += if ticks > least { ticks } else { 0 };
-        from += ticks.max(1);
-    }
-    voltage.len() - 1 - still.min(voltage.len() - 1)
 }
 
 /// How often the voltage of a session steps within so many s; `span` is that of all logs, V.

@@ -13,6 +13,7 @@ mod clock;
 mod corners;
 mod deadband;
 mod flaw;
+mod half_cycle;
 mod hum;
 mod implausible;
 mod noise;
@@ -52,7 +53,7 @@ pub use start::{RESTS_S, begins_in_motion, prepared, repaired};
 pub use stillness::Stillness;
 pub use stroke::stroke;
 pub use swings::{Cell, Swings};
-pub use turns::held_in_turns;
+pub use turns::{held_in_turns, read_where};
 
 use blocks::Blocks;
 use rows::Rows;

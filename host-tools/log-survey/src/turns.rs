@@ -1,6 +1,6 @@
 //! What is held out of logs whose ends [go beyond](crate::ends_go_beyond) what was before.
 
-use crate::reversals::reversals;
+use crate::half_cycle::large_reversals;
 use estimator_core::Range;
 use recordings::session::{Session, one_of_each};
 
@@ -8,8 +8,6 @@ use recordings::session::{Session, one_of_each};
 /// what is not. Each, and what is kept beside it, has so many readings at least, where there are enough of them.
 const STRETCHES: usize = 16;
 const LEAST: usize = 4;
-/// The start ends with the second reversal of at least this part of the voltage's span.
-const SWING: f64 = 0.1;
 /// A start of more than this part of a session is none.
 const LONGEST_START: f64 = 0.25;
 
@@ -30,19 +28,21 @@ pub fn held_in_turns(session: &Session, hold_out: f64) -> (Session, Session, usi
         let Some(of) = index.checked_sub(first) else { return false };
         begins.get(of / each).is_some_and(|begin| (*begin..begin + length).contains(&(of % each)))
     };
-    let with = |kept: &dyn Fn(usize) -> bool| {
-        let indices = (0..session.instants.len()).filter(|index| *index == 0 || kept(*index));
-        let (instants, displacement) = indices.map(|at| (session.instants[at], session.displacement[at])).unzip();
-        Session { instants, displacement, ..session.clone() }
-    };
-    (with(&|index| !held(index)), with(&held), stretches)
+    (read_where(session, |index| !held(index)), read_where(session, held), stretches)
 }
 
-/// Index of the first reading behind a session's start. How the actuator was left before shows in its first swings, and
-/// all of that is to be learnt.
+/// A session with these of its readings, by their index, and the first, where the estimator starts; its voltage whole.
+pub fn read_where(session: &Session, kept: impl Fn(usize) -> bool) -> Session {
+    let indices = (0..session.instants.len()).filter(|index| *index == 0 || kept(*index));
+    let (instants, displacement) = indices.map(|at| (session.instants[at], session.displacement[at])).unzip();
+    Session { instants, displacement, ..session.clone() }
+}
+
+/// Index of the first reading behind a session's start, its second large reversal. How the actuator was left before
+/// shows in its first swings, and all of that is to be learnt.
 fn start(session: &Session) -> usize {
     let span = Range::of_values(session.voltage.iter().copied()).span();
-    let end = reversals(&session.voltage, SWING * span).get(1).copied().unwrap_or(0);
+    let end = large_reversals(&session.voltage, span).get(1).copied().unwrap_or(0);
     let first = session.instants.partition_point(|&instant| (instant as usize) < end);
     if first as f64 > LONGEST_START * session.instants.len() as f64 { 1 } else { first.max(1) }
 }
