@@ -24,13 +24,18 @@ pub enum Inadmissible<T: Real = f32> {
     },
     /// Some voltage and some memory draw the displacement out of its limits.
     #[error(
-        "some sequence of reversals draws the displacement to {} … {} µm, beyond the table's limits: widen them",
+        "some sequence of reversals draws the displacement to {} … {} µm, beyond the limits, {} … {} µm: correct the \
+         parameters, or widen these",
         reach.min,
-        reach.max
+        reach.max,
+        limits.min,
+        limits.max
     )]
     Unbounded {
         /// The displacement that can be reached, µm.
         reach: Range<T>,
+        /// What it is to lie within, µm.
+        limits: Range<T>,
     },
     /// The model's resonance is not damped as far as the number type can tell.
     #[error(
@@ -66,5 +71,5 @@ pub enum Inadmissible<T: Real = f32> {
 pub fn within<T: Real>(reach: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {
     // False for a NaN.
     let inside = limits.min <= reach.min && reach.min <= reach.max && reach.max <= limits.max;
-    if inside { Ok(reach) } else { Err(Inadmissible::Unbounded { reach }) }
+    if inside { Ok(reach) } else { Err(Inadmissible::Unbounded { reach, limits }) }
 }

@@ -53,8 +53,9 @@ fn tables_that_were_tampered_with_are_refused_by_name() {
         fs::write(&table, original.replacen(from, replacement, 1)).unwrap();
         refused(&["validate", text(&table), MEASURED], &[&["table.toml"], says].concat());
     };
-    case("b_ohm", "b_ohm = -1.0", &["b_ohm must be positive and finite"]);
+    case("b_ohm", "b_ohm = -1.0", &["for line ", "`b_ohm = -1.0`: b_ohm must be positive and finite"]);
     case("b_ohm", "b_ohm = 1.0", &["not admissible"]);
+    case("min = ", "min = 90.0", &["`[table.voltage_range_v]`: voltage_range_v must be ordered"]);
     case("alpha_um", "alpha_um = nan", &["alpha_um must be positive and finite"]);
     case("sample_period_us", "sample_period_us = 0", &["sample_period_us"]);
     case("[table.parameters", "[table.parameters.everett]", &["everett", "line"]);

@@ -190,6 +190,10 @@ fn a_lag_that_is_stated_is_kept_to() {
     let out = text(folder.path());
     refused(&["identify", MEASURED, "--lag", "-3", "--out", out], &["--lag"]);
     refused(&["identify", MEASURED, "--lag", "5000", "--out", out], &["5000 ms", "57.5 ms", "--lag takes ms"]);
+    refused(
+        &["identify", MEASURED, "--deadband", "1000", "--out", out],
+        &["1000.000 V", "3.600 V", "--deadband takes V"],
+    );
 }
 
 #[test]

@@ -113,10 +113,10 @@ fn inadmissible_sets_are_refused() {
     let frozen = VoigtParameters { alpha_um: 1e12, ..VOIGT };
     assert!(matches!(with(frozen), TableError::Inadmissible(Inadmissible::Unstable { a, .. }) if a == 1.0));
     let large = VoigtParameters { p: 0.7, ..VOIGT };
-    assert!(matches!(with(large), TableError::Inadmissible(Inadmissible::Unbounded { reach }) if reach.max > 6.0));
+    assert!(matches!(with(large), TableError::Inadmissible(Inadmissible::Unbounded { reach, .. }) if reach.max > 6.0));
     let tight = Table { displacement_limits_um: Range { min: -6.0, max: 3.0 }, ..table() };
     let refused = tight.admit().unwrap_err();
-    assert!(matches!(refused, TableError::Inadmissible(Inadmissible::Unbounded { reach }) if reach.max > 4.0));
+    assert!(matches!(refused, TableError::Inadmissible(Inadmissible::Unbounded { reach, .. }) if reach.max > 4.0));
     assert_eq!(
         with(VoigtParameters { p: 8.0, b_ohm: 1e-7, alpha_um: 1e18, ..VOIGT }),
         TableError::Inadmissible(Inadmissible::Overflow)

@@ -52,7 +52,7 @@ pub fn for_board(table: &Path, board: &Path) -> Result<(PathBuf, Admitted, Vec<S
     }));
     let kept = file.table.drive.as_mut().zip(own).and_then(|(drive, own)| keep(own, &mut drive.limits));
     file.doubts.extend(kept);
-    let admitted = file.admit().map_err(|source| TableFileError::Refused { path: path.clone(), source })?;
+    let admitted = file.admit().map_err(|source| TableFileError::Refused { path: path.clone(), line: None, source })?;
     Ok((path, admitted, file.doubts))
 }
 

@@ -51,6 +51,14 @@ pub enum JobError {
         /// The longest delay and the longest lag together, s.
         longest_s: f64,
     },
+    /// The deadband that was stated lets no reversal through.
+    #[error("a deadband of {deadband_v:.3} V is no less than the voltage of the logs goes over, {span_v:.3} V")]
+    DeadbandTooWide {
+        /// What was stated, V.
+        deadband_v: f64,
+        /// From the lowest to the highest voltage of the training, V.
+        span_v: f64,
+    },
     /// The displacement falls while the voltage rises.
     #[error("{log}: the displacement falls while the voltage rises")]
     FallsWithVoltage {

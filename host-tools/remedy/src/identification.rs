@@ -106,6 +106,9 @@ fn job(error: &JobError) -> String {
         JobError::LagTooLong { .. } => {
             format!("{error}: --lag takes ms; what of it is the sensor's is stated by --delay")
         }
+        JobError::DeadbandTooWide { .. } => {
+            format!("{error}: --deadband takes V; without it the deadband is chosen from the noise")
+        }
         JobError::FallsWithVoltage { .. } => {
             const SCALE: &str = "--displacement-scale";
             // What was typed has been applied.
@@ -323,7 +326,7 @@ mod tests {
         let version = TableError::Version { found: 3, read: 9 };
         let (path, source) = ("table.bin".into(), Refused::Table(version));
         let wherever: [&dyn Error; 3] =
-            [&version, &TableFileError::Refused { path, source }, &RunningTableError::Refused(version)];
+            [&version, &TableFileError::Refused { path, line: None, source }, &RunningTableError::Refused(version)];
         for error in wherever {
             let said = sentence(error);
             assert!(said.ends_with("reads version 9: make the table again with `piezo emit`"), "{said}");

@@ -1,5 +1,6 @@
 //! Why a file is no table, a table becomes no file, or two files are of two tables.
 
+use crate::line::Line;
 use estimator_core::TableError;
 use recordings::LogUse;
 use recordings::prepare::RecipeError;
@@ -35,10 +36,12 @@ pub enum TableFileError {
         logs: Vec<LogUse>,
     },
     /// The table in a file is refused.
-    #[error("{}: is refused", path.display())]
+    #[error("{}: is refused{}", path.display(), line.as_ref().map(|line| format!(", for {line}")).unwrap_or_default())]
     Refused {
         /// The file that was to be read.
         path: PathBuf,
+        /// The line that sets what breaks a rule; `None` where no single one does.
+        line: Option<Line>,
         /// What is wrong with the table.
         source: Refused,
     },
@@ -81,6 +84,19 @@ pub enum Refused {
     /// Recipe and table are not of one identification.
     #[error("[recipe] and [table] differ in the tick or a zero: change both, or neither")]
     Differ,
+}
+
+impl Refused {
+    /// The field of the table that it is refused for; `None` where that is no single one.
+    pub(crate) fn field(&self) -> Option<&'static str> {
+        match self {
+            // A rule begins with its field.
+            Self::Table(TableError::OutOfRange { rule: said } | TableError::NonFinite { field: said }) => {
+                said.split(' ').next()
+            }
+            _ => None,
+        }
+    }
 }
 
 /// A face lies beside one of another table.

@@ -2,6 +2,7 @@
 
 use crate::earlier::earlier;
 use crate::error::{Refused, TableFileError};
+use crate::line::Line;
 use crate::name::name;
 use crate::noise::Noise;
 use estimator_core::table::BoundToTick;
@@ -81,7 +82,10 @@ impl TableFile {
                 None => TableFileError::NoTable { path, error: Box::new(error) },
             }
         })?;
-        let admitted = file.admit().map_err(|source| TableFileError::Refused { path: path.to_owned(), source })?;
+        let admitted = file.admit().map_err(|source| {
+            let line = source.field().and_then(|field| Line::that_sets(field, text));
+            TableFileError::Refused { path: path.to_owned(), line, source }
+        })?;
         if let Some(field) = toml::from_str(text).ok().and_then(|value| not_finite(&value)) {
             return Err(TableFileError::NotFinite { path: path.to_owned(), field });
         }
@@ -151,8 +155,11 @@ pub fn read(path: &Path) -> Result<(Option<TableFile>, Admitted), TableFileError
     }
     let bytes = result_files::read(path, MOST_BYTES)
         .map_err(|error| TableFileError::Unreadable { path: path.to_owned(), error })?;
-    let admitted = Table::parse(&bytes)
-        .map_err(|error| TableFileError::Refused { path: path.to_owned(), source: error.into() })?;
+    let admitted = Table::parse(&bytes).map_err(|error| TableFileError::Refused {
+        path: path.to_owned(),
+        line: None,
+        source: error.into(),
+    })?;
     Ok((None, admitted))
 }
 
