@@ -28,7 +28,7 @@ use firmware::{Chip, Facts, Peripherals, Resources, Telemetry, Tick, last_words,
 use parameter_store::RamFlash;
 use protocol::ResetCause;
 use registers::{CORE_HZ, Interrupt as interrupt};
-use static_cell::ConstStaticCell;
+use static_cell::{ConstStaticCell, StaticCell};
 
 /// As the primary board's, so that the same tables fit.
 const INTERFACE: Interface = Interface { tick_us: TICK_US, adc_full_scale: 65_520, dac_full_scale: 4095 };
@@ -46,7 +46,8 @@ static TELEMETRY: Telemetry = Telemetry::new();
 #[unsafe(link_section = ".waveform")]
 static POINTS: Points = Points::new();
 /// The tick on its way to the interrupt that owns it.
-static ARMED: CriticalSectionMutex<Cell<Option<Tick<'static>>>> = CriticalSectionMutex::new(Cell::new(None));
+static ARMED: CriticalSectionMutex<Cell<Option<&'static mut Tick<'static>>>> =
+    CriticalSectionMutex::new(Cell::new(None));
 /// What the DAC would put out at the next trigger.
 static DAC: AtomicU16 = AtomicU16::new(0);
 
@@ -91,7 +92,9 @@ async fn main(_spawner: Spawner) {
         pages,
         front: (),
         start: |tick: Tick<'static>| {
-            ARMED.lock(|armed| armed.set(Some(tick)));
+            static OWNED: StaticCell<Tick<'static>> = StaticCell::new();
+            let owned = OWNED.init(tick);
+            ARMED.lock(|armed| armed.set(Some(owned)));
             registers::start_timer(CORE_HZ / TICK_HZ);
         },
     };
@@ -105,7 +108,7 @@ async fn main(_spawner: Spawner) {
 /// The tick's interrupt, of the highest priority (which the clock's has as well).
 #[interrupt]
 fn Timer0() {
-    static mut TICK: Option<Tick<'static>> = None;
+    static mut TICK: Option<&'static mut Tick<'static>> = None;
     let started = registers::cycles();
     registers::acknowledge_timer();
     let Some(tick) = TICK.as_mut() else {

@@ -53,7 +53,7 @@ use firmware::rate::{TICK_HZ, TICK_US};
 use firmware::shaping::PARTS;
 use firmware::{Conversion, Facts, Peripherals, Resources, Tick, last_words, restarts};
 use protocol::Uid;
-use static_cell::ConstStaticCell;
+use static_cell::{ConstStaticCell, StaticCell};
 
 use chip::Stm32G4;
 use clocks::CORE_HZ;
@@ -104,7 +104,7 @@ impl Front for OnBoard {
 }
 
 /// On its way to the converter's interrupt.
-static ARMED: CriticalSectionMutex<Cell<Option<Armed>>> = CriticalSectionMutex::new(Cell::new(None));
+static ARMED: CriticalSectionMutex<Cell<Option<&'static mut Armed>>> = CriticalSectionMutex::new(Cell::new(None));
 
 unsafe extern "C" {
     /// Symbols of memory.x: their addresses are meant.
@@ -184,7 +184,9 @@ async fn main(_spawner: Spawner) {
             let timer = trigger::at_rate(tim6, TICK_HZ);
             let adc = sampling::start(adc, [pa0.degrade_adc(), pa1.degrade_adc(), pb0.degrade_adc()]);
             let (output, ahead) = output::start(dac1, dma, tim7);
-            ARMED.lock(|armed| armed.set(Some(Armed { tick, adc, output, marker, valid, trigger_pin, sync })));
+            static OWNED: StaticCell<Armed> = StaticCell::new();
+            let owned = OWNED.init(Armed { tick, adc, output, marker, valid, trigger_pin, sync });
+            ARMED.lock(|armed| armed.set(Some(owned)));
             // The 200 ms are in force from here: to start a dog that runs already reloads nothing.
             pac::IWDG.kr().write(|w| w.set_key(pac::iwdg::vals::Key::RESET));
             // SAFETY: the handler below is ready, and no critical section masks by priority.
@@ -207,9 +209,9 @@ async fn main(_spawner: Spawner) {
 /// The tick. See [`Tick`] for its contract.
 #[interrupt]
 fn ADC1_2() {
-    static mut OWNED: Option<Armed> = None;
+    static mut OWNED: Option<&'static mut Armed> = None;
     let started = DWT::cycle_count();
-    let Some(Armed { tick, adc, output, marker, valid, trigger_pin, sync }) = OWNED.as_mut() else {
+    let Some(Armed { tick, adc, output, marker, valid, trigger_pin, sync }) = OWNED.as_deref_mut() else {
         // The first time: the request stays, so the handler is entered again at once.
         *OWNED = ARMED.lock(Cell::take);
         return;
