@@ -40,7 +40,7 @@
 #define PIEZO_INVERSE_WORDS 512
 
 // Bytes of stack that `piezo_table_read` and the functions that begin take at most.
-#define PIEZO_BEGIN_STACK_BYTES 12288
+#define PIEZO_BEGIN_STACK_BYTES 24576
 
 // How a call went. As wide as a `uint32_t`, whatever a compiler makes of an enum.
 enum PiezoResult

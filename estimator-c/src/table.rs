@@ -8,7 +8,7 @@ use core::slice;
 use estimator_core::Table;
 
 /// Bytes of stack that `piezo_table_read` and the functions that begin take at most.
-pub const PIEZO_BEGIN_STACK_BYTES: usize = 12_288;
+pub const PIEZO_BEGIN_STACK_BYTES: usize = 24_576;
 
 /// What a table says of itself.
 #[repr(C)]

@@ -8,7 +8,7 @@
 //! | 4 | 4 | length of the record, little-endian |
 //! | 8 | n | the record |
 //! | 8 + n | 4 | CRC-32 (ISO-HDLC) of all before, little-endian; then zeros up to a whole flash word |
-//! | 768 | a word | erased; zeros once the other page holds a newer record, whole |
+//! | 1280 | a word | erased; zeros once the other page holds a newer record, whole |
 //!
 //! The newest record is the whole one with the higher number. A new one goes into the *other* page: that page is
 //! erased, checked to be blank, written, and read back, while the newest is not touched. So whatever a cut erase or
@@ -40,7 +40,7 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use embedded_storage_async::nor_flash::NorFlash;
 
 /// Longest record that the store takes, bytes; a longer one is refused, and a page has to hold it with 12 bytes more.
-pub const MAX_RECORD: usize = 756;
+pub const MAX_RECORD: usize = 1268;
 
 const HEADER: usize = 8;
 const CHECKSUM: usize = 4;

@@ -12,7 +12,7 @@ const WORD: usize = 8;
 /// Number and length before a record, and its checksum behind it.
 const AROUND: usize = 12;
 /// Where a page says that the other one holds a newer record.
-const MARK: usize = 768;
+const MARK: usize = 1280;
 
 /// Two pages with a record in each.
 #[derive(Clone)]

@@ -12,7 +12,7 @@ use std::cell::RefCell;
 const PAGE: usize = 2048;
 const WORD: usize = 8;
 /// Where a page says that the other one holds a newer record.
-const MARK: usize = 768;
+const MARK: usize = 1280;
 
 struct Chip {
     memory: Vec<u8>,

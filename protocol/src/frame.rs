@@ -12,14 +12,14 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// Version of everything in this crate. It is the first byte of every frame; frames of another are refused by name.
-pub const VERSION: u8 = 11;
+pub const VERSION: u8 = 12;
 
 /// No frame is longer than this on the wire, delimiter included, bytes.
-pub const MAX_FRAME: usize = 832;
+pub const MAX_FRAME: usize = 1344;
 
 const DELIMITER: u8 = 0;
 /// Longest content before the delimiter and stuffing, which adds one byte and one more for every 254.
-const MAX_CONTENT: usize = MAX_FRAME - 5;
+const MAX_CONTENT: usize = MAX_FRAME - 2 - MAX_FRAME.div_ceil(254);
 
 /// Why a frame was refused.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]

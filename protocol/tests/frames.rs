@@ -137,14 +137,14 @@ fn every_message_at_its_longest_survives_the_line() {
 fn the_wire_format_is_pinned() {
     let hex = |bytes: Vec<u8>| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
     let message = ToDevice { sequence: 300, request: Request::Feed([1, 2, 65_520].iter().copied().collect()) };
-    assert_eq!(hex(frame(&message)), "0f0bac020a030102f0ff03c7f6bb5100");
+    assert_eq!(hex(frame(&message)), "0f0cac020a030102f0ff03beed67b300");
     assert_eq!(
         hex(frame(&ToHost::Samples(samples(1)))),
-        "250b01ffffffff0fff01ffff0301ffff03ffff7fff01ffff7f7fffff03ffffff011c6498b300"
+        "250c01ffffffff0fff01ffff0301ffff03ffff7fff01ffff7f7fffff03ffffff0189760d0b00"
     );
     let all: Vec<u8> = answers().iter().flat_map(frame).collect();
     let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&all);
-    assert_eq!((VERSION, crc), (11, 1032859109));
+    assert_eq!((VERSION, crc), (12, 2784537956));
 }
 
 #[test]

@@ -192,7 +192,7 @@ fn a_lag_that_is_stated_is_kept_to() {
     refused(&["identify", MEASURED, "--lag", "5000", "--out", out], &["5000 ms", "57.5 ms", "--lag takes ms"]);
     refused(
         &["identify", MEASURED, "--deadband", "1000", "--out", out],
-        &["1000.000 V", "3.600 V", "--deadband takes V"],
+        &["deadband of 999.999", "--deadband, which takes V"],
     );
 }
 

@@ -55,6 +55,7 @@ macro_rules! models {
 
         /// The published parameters of a model, and with them which one it is.
         #[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
+        #[expect(clippy::large_enum_variant, reason = "a device has one table, of any model, and no heap")]
         pub enum Parameters {
             $($(#[doc = $line])+ #[serde(rename = $name)] $model(crate::$parameters),)*
         }
@@ -187,7 +188,7 @@ models! {
     Preisach, "preisach", "Preisach (3.1)", PreisachParameters, (20_400, 37_000);
     /// Black box of Table 5.1: a polynomial of past voltages and displacements, and of extrema.
     Narx, "narx", "NARX (Table 5.1)", NarxParameters, (51_000, 51_000);
-    /// Fifteen play operators behind one envelope in a chain with delay, lag, creep and resonance.
+    /// Fifteen play operators behind envelopes in a chain with delay, lag, creep and resonance.
     GeneralisedPrandtlIshlinskii, "generalised-prandtl-ishlinskii", "generalised Prandtl–Ishlinskii",
         GeneralisedPrandtlIshlinskiiParameters, (19_800, 50_900);
 }

@@ -25,7 +25,7 @@ const CHECKSUMS: &[(Model, u32, u32)] = &[
     (Model::BoucWen, 0x447feed6, 0xacc8338d),
     (Model::Preisach, 0x122c80be, 0x67ea4f41),
     (Model::Narx, 0x5ed4ee33, 0x0),
-    (Model::GeneralisedPrandtlIshlinskii, 0x6078c38a, 0x1e4f9a93),
+    (Model::GeneralisedPrandtlIshlinskii, 0x6ff1d307, 0xf44d20a0),
 ];
 
 /// A table with every term that the model has.

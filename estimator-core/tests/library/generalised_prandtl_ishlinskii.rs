@@ -37,11 +37,16 @@ const SATURATED: GeneralisedPrandtlIshlinskiiParameters = GeneralisedPrandtlIshl
     weights: List::of([1.0]),
     ..PLAIN
 };
+/// An envelope for each play.
+const OWN: GeneralisedPrandtlIshlinskiiParameters = GeneralisedPrandtlIshlinskiiParameters {
+    envelope_um_per_v: List::of([0.05, 0.1, 0.2, 0.1, 0.0, 0.06, 0.0, 0.02, 0.03, 0.1, 0.0, 0.12]),
+    ..PLAIN
+};
 const RINGING: GeneralisedPrandtlIshlinskiiParameters =
     GeneralisedPrandtlIshlinskiiParameters { resonance_hz: 300.0, damping: 0.05, ..PLAIN };
 
 fn parameters() -> impl Strategy<Value = GeneralisedPrandtlIshlinskiiParameters> {
-    let kinds = prop::sample::select(vec![PLAIN, MOVING, AHEAD, SATURATED, RINGING]);
+    let kinds = prop::sample::select(vec![PLAIN, MOVING, AHEAD, SATURATED, OWN, RINGING]);
     let memories = prop::sample::select(vec![-2.0f32, -1.4, -1.0, -0.6, 0.0, 0.3, 1.0]);
     (kinds, memories).prop_map(|(kind, rest_memory)| GeneralisedPrandtlIshlinskiiParameters { rest_memory, ..kind })
 }
@@ -100,6 +105,26 @@ proptest! {
         let known = low + part * (high - low);
         let found = run(&still, &[voltage], Some(known))[0];
         prop_assert!((found - known).abs() < 1e-6, "{found} not {known}");
+    }
+}
+
+/// The displacement is the sum of what each play with its own envelope gives, creep included.
+#[test]
+fn plays_with_envelopes_of_their_own_add_up() {
+    let voltages: Vec<f64> =
+        (0..4_000).map(|k| 50.0 + 0.0125 * f64::from(k) * libm::sin(0.01 * f64::from(k))).collect();
+    let of = |play: usize| GeneralisedPrandtlIshlinskiiParameters {
+        reversible_um_per_v: if play == 0 { OWN.reversible_um_per_v } else { List::of([0.0, 0.0]) },
+        envelope_um_per_v: List::collect(OWN.envelope_um_per_v.chunks(3).nth(play).unwrap().iter().copied()).unwrap(),
+        half_widths_v: List::of([OWN.half_widths_v[play]]),
+        weights: List::of([OWN.weights[play]]),
+        offset_um: if play == 0 { OWN.offset_um } else { 0.0 },
+        ..OWN
+    };
+    let parts: Vec<Vec<f64>> = (0..4).map(|play| run(&of(play), &voltages, None)).collect();
+    for (tick, whole) in run(&OWN, &voltages, None).into_iter().enumerate() {
+        let sum: f64 = parts.iter().map(|part| part[tick]).sum();
+        assert!((whole - sum).abs() < 1e-9, "tick {tick}: {whole} µm, {sum} µm");
     }
 }
 
@@ -226,6 +251,11 @@ fn every_rule_has_its_fault() {
         (GeneralisedPrandtlIshlinskiiParameters { weights: List::of([1.0, -2.0, 3.0, 1.0]), ..PLAIN }, "weights"),
         (GeneralisedPrandtlIshlinskiiParameters { reversible_um_per_v: List::of([0.1]), ..PLAIN }, "two to nine"),
         (GeneralisedPrandtlIshlinskiiParameters { envelope_um_per_v: List::of([0.1, -0.1]), ..PLAIN }, "envelope"),
+        (
+            GeneralisedPrandtlIshlinskiiParameters { envelope_um_per_v: List::of([0.1; 13]), ..PLAIN },
+            "as many for each",
+        ),
+        (GeneralisedPrandtlIshlinskiiParameters { envelope_um_per_v: List::of([0.1; 40]), ..PLAIN }, "two to nine"),
         (
             GeneralisedPrandtlIshlinskiiParameters {
                 creep_times_s: List::of([0.0]),

@@ -21,7 +21,7 @@ fn record_is_pinned() {
         hex,
         concat!(
             "505a5442",
-            "0b00",
+            "0c00",
             "7200", // magic, version, length
             "f403",
             "00",
@@ -59,7 +59,7 @@ fn record_is_pinned() {
             "0000803e",
             "01b81e853e",
             "00",       // provenance
-            "7f58c998", // CRC-32
+            "086c8807", // CRC-32
         ),
         "the format changed: bump record::VERSION and say so in CHANGELOG.md"
     );

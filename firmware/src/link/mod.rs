@@ -34,7 +34,7 @@ pub const LEASE: Duration = Duration::from_secs(5);
 /// bytes that was so often that a line without pauses brought more than was read, where a drive leaves the link a third
 /// of the time.
 const AT_ONCE: usize = 256;
-/// What a reply needs at most to leave the serial line's own buffers.
+/// What the reply to a reset, a short one, needs at most to leave the serial line's own buffers.
 const DRAIN: Duration = Duration::from_millis(10);
 
 /// The link over a serial line.

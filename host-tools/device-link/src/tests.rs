@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 /// Requests that connecting takes: the stream is stopped, and the device identified.
 const CONNECTING: u32 = 2;
-/// A frame of protocol version 12 with nothing in it, and the checksum that it needs.
-const VERSION_12: [u8; 7] = [6, 12, 0xA6, 0xA3, 0xB4, 0xDB, 0];
+/// A frame of protocol version 13 with nothing in it, and the checksum that it needs.
+const VERSION_13: [u8; 7] = [6, 13, 0x30, 0x93, 0xB3, 0xAC, 0];
 
 fn device() -> EmulatedDevice {
     Emulator::new().speed(8.0).start().unwrap()
@@ -124,9 +124,9 @@ fn samples_that_come_between_request_and_reply_are_kept() {
 #[test]
 fn another_version_is_named_and_which_side_is_older() {
     let device = device();
-    let line = line(&device, replies(|_, _, frame| *frame = VERSION_12.to_vec()));
+    let line = line(&device, replies(|_, _, frame| *frame = VERSION_13.to_vec()));
     let error = Client::connect(&line.address().into()).err().unwrap().to_string();
-    assert!(error.contains("version 11") && error.contains("this program is older"), "{error}");
+    assert!(error.contains("version 12") && error.contains("this program is older"), "{error}");
 }
 
 #[test]

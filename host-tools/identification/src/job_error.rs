@@ -51,14 +51,6 @@ pub enum JobError {
         /// The longest delay and the longest lag together, s.
         longest_s: f64,
     },
-    /// The deadband that was stated lets no reversal through.
-    #[error("a deadband of {deadband_v:.3} V is no less than the voltage of the logs goes over, {span_v:.3} V")]
-    DeadbandTooWide {
-        /// What was stated, V.
-        deadband_v: f64,
-        /// From the lowest to the highest voltage of the training, V.
-        span_v: f64,
-    },
     /// The displacement falls while the voltage rises.
     #[error("{log}: the displacement falls while the voltage rises")]
     FallsWithVoltage {
@@ -66,10 +58,14 @@ pub enum JobError {
         log: String,
     },
     /// The voltages only rise, or only fall.
-    #[error("{log}: the voltage never reverses, and hysteresis is what it does then")]
+    #[error(
+        "{log}: the voltage never reverses by more than a deadband of {deadband_v:.6} V, and hysteresis is what it does then"
+    )]
     NoReversal {
         /// Name of the first log.
         log: String,
+        /// What was stated, or follows from the noise.
+        deadband_v: f64,
     },
     /// The displacements are a sensor's noise.
     #[error("{log}: the displacement is noise ({span_um:.4} µm), which does not go with the voltage")]

@@ -51,16 +51,19 @@ impl Learnt {
     }
 }
 
+/// What is learnt from more counts unless it is off by so many times as much: what is drawn to priors may be off more.
+const AS_FAR: f64 = 1.1;
+
 impl Identification<'_> {
     /// The model of a fit on more of the same logs: as if it had not been searched before, since what was held out may
     /// ask for another structure; of the Voigt family, whose search takes long, from where it ended. It is the fit
-    /// itself where nothing better is found.
+    /// itself where what is found is further off.
     pub(crate) fn anew(&self, fit: &Fit, progress: Progress<'_>) -> Fit {
         let found = match fit.model.is_voigt() {
             true => vec![self.again(fit, self.options.evaluations as usize * fit.genes.len())],
             false => self.run(&[fit.model], progress),
         };
-        let better = |found: &Fit| self.off(found) < self.off(fit);
-        found.into_iter().find(better).unwrap_or_else(|| fit.clone())
+        let no_worse = |found: &Fit| self.off(found) < self.off(fit) * if fit.model.is_voigt() { 1.0 } else { AS_FAR };
+        found.into_iter().find(no_worse).unwrap_or_else(|| fit.clone())
     }
 }

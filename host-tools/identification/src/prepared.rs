@@ -27,19 +27,16 @@ impl Prepared {
     /// Refuses logs in which there is no hysteresis to learn.
     ///
     /// # Errors
-    /// The displacement of every training log is noise, or the voltage reverses in none of them, or by no more than the
-    /// deadband in any.
+    /// The displacement of every training log is noise, or the voltage reverses in none, or by less than the deadband.
     pub fn teaches(&self) -> Result<(), JobError> {
         let Some(first) = self.problem.training().next() else { return Ok(()) };
         if self.problem.training().all(is_noise) {
             return Err(JobError::Noise { log: first.name.clone(), span_um: range(&first.displacement) });
         }
-        let (deadband_v, span_v) = (self.problem.deadband, self.problem.training_voltages().span());
-        if deadband_v >= span_v && span_v > 0.0 {
-            return Err(JobError::DeadbandTooWide { deadband_v, span_v });
-        }
-        if Character::of(self.problem.training(), self.problem.deadband).reversals == 0 {
-            return Err(JobError::NoReversal { log: first.name.clone() });
+        let deadband_v = self.problem.deadband;
+        let swings = deadband_v < self.problem.training_voltages().span();
+        if !swings || Character::of(self.problem.training(), deadband_v).reversals == 0 {
+            return Err(JobError::NoReversal { log: first.name.clone(), deadband_v });
         }
         Ok(())
     }

@@ -7,6 +7,8 @@ mod blocks;
 mod columns;
 mod course;
 mod freed;
+mod freeing;
+mod own;
 mod priors;
 mod solution;
 
@@ -14,7 +16,8 @@ pub use basis::{Basis, FUNCTIONS, KNOTS};
 pub use blocks::{Balanced, Blocks, Rows};
 pub use columns::Stages;
 pub use course::Course;
-pub use freed::{Freed, freed};
+pub use freed::freed;
+pub use freeing::{Envelopes, Freed};
 pub use priors::{Prior, Scale};
 pub use solution::{Solution, solve};
 

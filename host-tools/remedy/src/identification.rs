@@ -106,9 +106,6 @@ fn job(error: &JobError) -> String {
         JobError::LagTooLong { .. } => {
             format!("{error}: --lag takes ms; what of it is the sensor's is stated by --delay")
         }
-        JobError::DeadbandTooWide { .. } => {
-            format!("{error}: --deadband takes V; without it the deadband is chosen from the noise")
-        }
         JobError::FallsWithVoltage { .. } => {
             const SCALE: &str = "--displacement-scale";
             // What was typed has been applied.
@@ -128,7 +125,7 @@ fn job(error: &JobError) -> String {
         }
         JobError::NoReversal { .. } => format!(
             "{error}: record several cycles, up and down over the range; if the log has them, what is fitted to is cut off too early \
-             (--hold-out, --skip-start, --skip-end)"
+             (--hold-out, --skip-start, --skip-end), or --deadband, which takes V, is not needed: it is chosen from the noise"
         ),
         JobError::Noise { .. } => format!(
             "{error}: did the actuator rest, or was the sensor off? Record it moving; else are the columns the right ones (--columns)?"

@@ -3,16 +3,17 @@
 //!
 //! ```text
 //! V ─ delay ─ lag with slew limit ─► u ─┬─► q(u) ─────────────────────────────────────────────┐
-//!                                       └─► play operators p_i ─► h = Σ a_i g(p_i) ─┬──────────┴─ + offset ─ resonance ─► y
-//!                                                                                   └► creep c_j: τ_j ċ_j = h − c_j ─► Σ γ_j c_j ─┘
+//!                                       └─► play operators p_i ─► h = Σ a_i g_i(p_i) ┬────────┴─ + offset ─ resonance ─► y
+//!                                                                                    └► creep c_j: τ_j ċ_j = h − c_j ─► Σ γ_j c_j ─┘
 //! ```
 //!
-//! - **Hysteresis.** A Prandtl–Ishlinskii operator (Eq. 3.9) whose plays stand behind an envelope function g, which
-//!   gives it asymmetry and saturation (Al Janaideh, Rakheja and Su, *IEEE/ASME Transactions on Mechatronics* 16(4),
+//! - **Hysteresis.** A Prandtl–Ishlinskii operator (Eq. 3.9) whose plays stand behind envelope functions g_i, which
+//!   give it asymmetry and saturation (Al Janaideh, Rakheja and Su, *IEEE/ASME Transactions on Mechatronics* 16(4),
 //!   2011, for envelopes inside the plays; Brokate and Sprekels, *Hysteresis and Phase Transitions*, 1996, ch. 2, for
 //!   functions behind them), and a reversible part q. Slopes and weights are at least 0: the displacement rises with
 //!   the voltage, and an inverse exists. One g for all half-widths ties minor loops to major ones, so that a log of one
-//!   amplitude says something of others.
+//!   amplitude says something of others; with one for each, the operator has a density over half-widths and centres, as
+//!   Preisach's has.
 //! - **Creep** is a chain of Kelvin–Voigt elements (Eq. 3.20) with times a decade apart, which is log-time creep as far
 //!   as a log can tell. It follows the hysteretic part: domains go on switching, the lattice does not.
 //! - **Rate dependence** is the amplifier's, a delay and a first-order lag whose rate is limited, and the mechanism's,
@@ -36,7 +37,7 @@ use crate::admissible::{Inadmissible, within};
 use crate::math::Real;
 use crate::range::Range;
 use crate::rule::Rule;
-use curve::Curve;
+use curve::{Curve, Layout};
 use parameters::{CREEPS, PLAYS};
 
 /// How far beyond the span the voltage is foreseen, as a fraction of it.
@@ -84,11 +85,11 @@ pub struct GeneralisedPrandtlIshlinskii<T> {
     slew: Option<T>,
     lag: RampLag<T>,
     resonance: Option<Resonance<T>>,
+    /// Of the reversible part, and of the envelopes.
+    layouts: [Layout<T>; 2],
     reversible: Curve<T>,
-    envelope: Curve<T>,
     plays: usize,
-    /// Half-width (V) and weight of each play.
-    elements: [(T, T); PLAYS],
+    elements: [Element<T>; PLAYS],
     creeps: usize,
     /// Creep elements and what each gives of what drives it.
     creep: [(Relaxation<T>, T); CREEPS],
@@ -96,6 +97,15 @@ pub struct GeneralisedPrandtlIshlinskii<T> {
     creep_gain: T,
     rest_memory: T,
     offset: T,
+}
+
+/// A play, and what stands behind it.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct Element<T> {
+    /// Half-width r_i of the play, V.
+    half_width: T,
+    /// Times the play's weight.
+    envelope: Curve<T>,
 }
 
 /// The delay line, the input's lag, every play, every creep element and the resonance.
@@ -116,10 +126,16 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
     pub fn build(parameters: &GeneralisedPrandtlIshlinskiiParameters, sample_period: T) -> Self {
         let p = parameters;
         let span: Range<T> = p.span_v.of();
-        let mut elements = [(T::zero(), T::zero()); PLAYS];
-        for (element, (&r, &weight)) in elements.iter_mut().zip(p.half_widths_v.iter().zip(p.weights.iter())) {
-            *element = (T::of(r), T::of(weight));
+        let layouts = [p.reversible_um_per_v.len(), p.knots()].map(|knots| Layout::build(span, knots));
+        let [of_reversible, of_envelopes] = &layouts;
+        let none = Element { half_width: T::zero(), envelope: Curve::build(of_envelopes, core::iter::empty()) };
+        let mut elements = [none; PLAYS];
+        let plays = p.half_widths_v.iter().zip(p.weights.iter()).zip(p.envelope_of_each());
+        for (element, ((&r, &weight), slopes)) in elements.iter_mut().zip(plays) {
+            let slopes = slopes.iter().map(|&slope| T::of(weight) * T::of(slope));
+            *element = Element { half_width: T::of(r), envelope: Curve::build(of_envelopes, slopes) };
         }
+        let reversible = Curve::build(of_reversible, p.reversible_um_per_v.iter().map(|&slope| T::of(slope)));
         let mut creep = [(Relaxation::build(T::one(), sample_period), T::zero()); CREEPS];
         for (to, (&time, &gain)) in creep.iter_mut().zip(p.creep_times_s.iter().zip(p.creep_gains.iter())) {
             *to = (Relaxation::build(T::of(time), sample_period), T::of(gain));
@@ -138,8 +154,8 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
             lag: RampLag::build(T::of(p.lag_s), sample_period),
             resonance: (p.resonance_hz > 0.0)
                 .then(|| Resonance::build(T::of(p.resonance_hz), T::of(p.damping), sample_period)),
-            reversible: Curve::build(span, &p.reversible_um_per_v),
-            envelope: Curve::build(span, &p.envelope_um_per_v),
+            layouts,
+            reversible,
             plays: p.half_widths_v.len().min(PLAYS),
             elements,
             creeps: p.creep_times_s.len().min(CREEPS),
@@ -150,12 +166,20 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
         }
     }
 
+    /// q at a voltage.
+    #[inline]
+    fn reversible(&self, input: T) -> T {
+        let [layout, _] = &self.layouts;
+        self.reversible.at(layout.place(input))
+    }
+
     /// h with the input at a voltage that the memories of the plays may not have seen yet.
     #[inline]
     fn hysteretic(&self, plays: &[T; PLAYS], input: T) -> T {
+        let [_, layout] = &self.layouts;
         let elements = self.elements.iter().zip(plays).take(self.plays);
-        elements.fold(T::zero(), |sum, (&(half_width, weight), &memory)| {
-            sum + weight * self.envelope.at(play(memory, input, half_width))
+        elements.fold(T::zero(), |sum, (element, &memory)| {
+            sum + element.envelope.at(layout.place(play(memory, input, element.half_width)))
         })
     }
 
@@ -166,7 +190,7 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
 
     #[inline]
     fn sum(&self, input: T, hysteretic: T, creep: &[Relaxed<T>; CREEPS]) -> T {
-        let still = self.offset + self.reversible.at(input) + hysteretic;
+        let still = self.offset + self.reversible(input) + hysteretic;
         let crept = self.creep.iter().zip(creep).take(self.creeps);
         crept.fold(still, |sum, (&(_, gain), c)| sum + gain * c.value)
     }
@@ -218,8 +242,11 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
         // No play stands below where it rests at the lowest voltage or above where it rests at the highest, and creep
         // lies where its input has been.
         let hysteretic = |input: T, memory: T| {
+            let [_, layout] = &self.layouts;
             let elements = self.elements.iter().take(self.plays);
-            elements.fold(T::zero(), |sum, &(r, weight)| sum + weight * self.envelope.at(input + memory * r))
+            elements.fold(T::zero(), |sum, element| {
+                sum + element.envelope.at(layout.place(input + memory * element.half_width))
+            })
         };
         // At the lowest voltage a memory below 0 draws no play further down than the voltage, at the highest none above
         // what −1 does.
@@ -229,8 +256,8 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
         let driven = Range { min: hysteretic(reach.min, up), max: hysteretic(reach.max, -down) };
         let crept = T::one() + self.creep_gain;
         Range {
-            min: self.offset + self.reversible.at(reach.min) + crept * driven.min,
-            max: self.offset + self.reversible.at(reach.max) + crept * driven.max,
+            min: self.offset + self.reversible(reach.min) + crept * driven.min,
+            max: self.offset + self.reversible(reach.max) + crept * driven.max,
         }
     }
 }
@@ -251,8 +278,8 @@ impl<T: Real> Recursion<T> for GeneralisedPrandtlIshlinskii<T> {
         let u = self.lagged(&mut state.input, target);
         // An input seen ahead of time moves no play, since it may not come true.
         let seen = if self.ahead > T::zero() { self.foreseen.clamp(u + self.ahead * (u - before)) } else { u };
-        for (memory, &(half_width, _)) in state.plays.iter_mut().zip(&self.elements).take(self.plays) {
-            *memory = play(*memory, u, half_width);
+        for (memory, element) in state.plays.iter_mut().zip(&self.elements).take(self.plays) {
+            *memory = play(*memory, u, element.half_width);
         }
         let hysteretic = self.hysteretic(&state.plays, seen);
         for (c, (relaxation, _)) in state.creep.iter_mut().zip(&self.creep).take(self.creeps) {

@@ -9,6 +9,8 @@ use serde::{Deserialize, Serialize};
 pub const PLAYS: usize = 15;
 /// Most knots of a tabulated function.
 pub const KNOTS: usize = 9;
+/// Most slopes of the envelopes: a function of each play.
+pub const SLOPES: usize = PLAYS * KNOTS;
 /// First-order creep elements that a set has at most.
 pub const CREEPS: usize = 5;
 /// Longest delay, ticks.
@@ -34,8 +36,9 @@ pub struct GeneralisedPrandtlIshlinskiiParameters {
     pub damping: f32,
     /// Slope of the reversible part q at knots that lie evenly over the span, at least 0, µm/V; two to nine.
     pub reversible_um_per_v: List<KNOTS>,
-    /// Slope of the envelope g of the plays likewise.
-    pub envelope_um_per_v: List<KNOTS>,
+    /// Slope of the envelope g of the plays likewise: two to nine of one for all of them, or more, and then as many for
+    /// each play, one play after the other.
+    pub envelope_um_per_v: List<SLOPES>,
     /// Half-widths r_i of the play operators, increasing, up to half the span, V.
     pub half_widths_v: List<PLAYS>,
     /// Weight a_i of each play, at least 0.
@@ -52,6 +55,21 @@ pub struct GeneralisedPrandtlIshlinskiiParameters {
 }
 
 impl GeneralisedPrandtlIshlinskiiParameters {
+    /// How many envelopes there are: one for all plays, or one for each where there are more slopes than one has.
+    fn envelopes(&self) -> usize {
+        if self.envelope_um_per_v.len() > KNOTS { self.half_widths_v.len().max(1) } else { 1 }
+    }
+
+    /// How many knots an envelope has.
+    pub(super) fn knots(&self) -> usize {
+        self.envelope_um_per_v.len() / self.envelopes()
+    }
+
+    /// Slopes of the envelope of each play, in their order, µm/V.
+    pub(super) fn envelope_of_each(&self) -> impl Iterator<Item = &[f32]> {
+        self.envelope_um_per_v.chunks(self.knots().max(1)).cycle()
+    }
+
     /// Does what [`Published::check`](crate::Published::check) says.
     pub(super) fn check_numbers(&self) -> Result<(), Rule> {
         let positive = |numbers: &[f32]| numbers.iter().all(|&x| x >= 0.0 && x.is_finite());
@@ -72,7 +90,12 @@ impl GeneralisedPrandtlIshlinskiiParameters {
                 some || (self.resonance_hz == 0.0 && self.damping == 0.0)
             }),
             ("reversible_um_per_v must be two to nine slopes, and not negative", slopes(&self.reversible_um_per_v)),
-            ("envelope_um_per_v must be two to nine slopes, and not negative", slopes(&self.envelope_um_per_v)),
+            (
+                "envelope_um_per_v must be two to nine slopes for all plays, or more, and then as many for each, and not negative",
+                self.envelope_um_per_v.len().is_multiple_of(self.envelopes())
+                    && (2..=KNOTS).contains(&self.knots())
+                    && positive(&self.envelope_um_per_v),
+            ),
             ("half_widths_v must increase from above 0 to at most half of span_v", {
                 let inside = self.half_widths_v.iter().all(|&r| r > 0.0 && 2.0 * r <= self.span_v.span());
                 inside && self.half_widths_v.windows(2).all(|pair| matches!(pair, [a, b] if a < b))

@@ -6,7 +6,7 @@
 //! plays stand, as after a rise or after a fall.
 
 use super::parameters::{CREEPS, PLAYS};
-use super::{GeneralisedPrandtlIshlinskii, GeneralisedPrandtlIshlinskiiState, LINE};
+use super::{Element, GeneralisedPrandtlIshlinskii, GeneralisedPrandtlIshlinskiiState, LINE};
 use crate::math::Real;
 use crate::model::play::play;
 use crate::model::relaxation::{RampLagged, Relaxed};
@@ -20,7 +20,7 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
     /// the memory of neither.
     fn branch(&self, voltage: T, bias: T) -> GeneralisedPrandtlIshlinskiiState<T> {
         let mut plays = self.rested(voltage);
-        for (at, (half_width, _)) in plays.iter_mut().zip(self.elements) {
+        for (at, &Element { half_width, .. }) in plays.iter_mut().zip(&self.elements) {
             let left = Range { min: self.span.min + half_width, max: self.span.max - half_width };
             let swept = |towards: T| play(left.clamp(voltage + towards * half_width), voltage, half_width);
             let end = if bias < T::zero() { swept(-T::one()).min(*at) } else { swept(T::one()).max(*at) };
@@ -33,13 +33,17 @@ impl<T: Real> GeneralisedPrandtlIshlinskii<T> {
     pub(super) fn rested(&self, voltage: T) -> [T; PLAYS] {
         let (memory, low, one) = (self.rest_memory, self.span.min, T::one());
         let between = |first: T, second: T, part: T| first + part * (second - first);
-        if memory < -one {
-            let risen = |half_width: T| play(low, voltage, half_width);
-            let fallen = |half_width: T| play(low + half_width, voltage, half_width);
-            return self.elements.map(|(r, _)| between(risen(r), fallen(r), -one - memory));
+        let mut plays = [voltage; PLAYS];
+        for (at, element) in plays.iter_mut().zip(&self.elements).take(self.plays) {
+            let come_from = |from: T| play(from, voltage, element.half_width);
+            *at = if memory < -one {
+                between(come_from(low), come_from(low + element.half_width), -one - memory)
+            } else {
+                let from = if memory < T::zero() { low } else { self.span.middle() };
+                between(voltage, come_from(from), memory.abs())
+            };
         }
-        let from = if memory < T::zero() { low } else { self.span.middle() };
-        self.elements.map(|(half_width, _)| between(voltage, play(from, voltage, half_width), memory.abs()))
+        plays
     }
 
     /// At rest at a voltage with these plays. Creep takes decades to forget what the

@@ -91,7 +91,7 @@ pub fn parameters(model: Model) -> Parameters {
                 resonance_hz: 400.0,
                 damping: 0.1,
                 reversible_um_per_v: list((0..9).map(|i| 0.1 + 0.005 * i as f32)),
-                envelope_um_per_v: list((0..9).map(|i| 0.12 - 0.01 * i as f32)),
+                envelope_um_per_v: list((0..135).map(|i| 0.12 - 0.01 * (i % 9) as f32)),
                 half_widths_v: list((1..16).map(|i| 3.3 * i as f32)),
                 weights: list((1..16).map(|i| 0.3 / i as f32)),
                 creep_times_s: list([0.01, 0.1, 1.0, 10.0, 100.0]),

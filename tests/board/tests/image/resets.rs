@@ -22,8 +22,8 @@ const TIM2: u32 = 28;
 /// Memory behind the image's.
 const SPARE: u32 = 0x2001_F000;
 /// The stack and, above it, the variables, as memory.x has them.
-const STACK: std::ops::Range<u32> = 0x2000_0000..0x2000_D000;
-const STATICS: std::ops::Range<u32> = 0x2000_D000..0x2001_8000;
+const STACK: std::ops::Range<u32> = 0x2000_0000..0x2000_F400;
+const STATICS: std::ops::Range<u32> = 0x2000_F400..0x2001_C000;
 /// Nothing is there.
 pub const NOWHERE: u32 = 0x6000_0000;
 

@@ -13,8 +13,6 @@ use std::sync::Arc;
 pub const LONGEST_DELAY: f64 = 15.0;
 /// The longest lag behind it, ticks.
 pub const LONGEST_LAG: f64 = 100.0;
-/// The smallest half-width, of half the span.
-const NARROWEST: f64 = 0.02;
 /// Least slope of the reversible part, of the stroke over the span: without any the inverse has no unique answer.
 const FLOOR: f64 = 1e-3;
 
@@ -110,7 +108,8 @@ impl Family {
         let tick = problem.extent().tick;
         let span = problem.training_voltages();
         let radius = 0.5 * span.span();
-        let half_width = |i: usize| libm::pow(NARROWEST, 1.0 - i as f64 / (PLAYS - 1) as f64);
+        // Dense for small loops; no two much further apart than an eighth of the radius.
+        let half_width = |i: usize| libm::pow((i + 1) as f64 / PLAYS as f64, 2.0);
         let before = |i: usize| if i == 0 { 0.0 } else { half_width(i - 1) };
         Self {
             extra,

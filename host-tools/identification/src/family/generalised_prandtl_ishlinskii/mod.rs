@@ -3,8 +3,9 @@
 //! are solved for.
 //!
 //! One law over the half-widths, a_i = exp(−r_i/(ρR))·Δr_i/R, is what makes a recording of one amplitude say something
-//! of others. The search knows no other weights; those of its best candidate are then [freed](play_columns::freed) as
-//! far as the logs say so. What one recording cannot tell apart is drawn towards what actuators are like.
+//! of others. The search knows no other weights; those of its best, and its envelopes, are then
+//! [freed](play_columns::freed) as far as the logs say so. What one recording cannot tell apart is drawn towards what
+//! actuators are like.
 
 mod candidate;
 mod curvature;
@@ -20,7 +21,7 @@ use crate::search::{Gene, Quadratic, halved, scaled};
 use candidate::{CREEP, Extra, Family, MEMORY, SLEW, Values};
 use estimator_core::{GeneralisedPrandtlIshlinskiiParameters, List, Parameters, Published, Range};
 use log_survey::Character;
-use play_columns::{CREEP_TIMES, CREEPS, Course, FUNCTIONS, Freed, PLAYS, Solution, creep, freed, solve};
+use play_columns::{CREEP_TIMES, CREEPS, Course, Envelopes, FUNCTIONS, Freed, PLAYS, Solution, creep, freed, solve};
 use recordings::session::Session;
 use std::sync::Arc;
 
@@ -33,7 +34,7 @@ const NEAR: f64 = 0.25;
 const ROUNDS: usize = 3;
 const GAIN: f64 = 0.02;
 /// A slew limit that makes the errors smaller by no more than this part of them is idle.
-const IDLE: f64 = 0.01;
+const IDLE: f64 = 0.03;
 
 /// A slew limit or a resonance that is there makes the error several times less; by chance, or drift, a resonance far
 /// above the logs had 4 % less.
@@ -87,17 +88,19 @@ impl Family {
         Some(if idle { without } else { values })
     }
 
-    /// The model whose plays weigh so much.
+    /// The model whose plays weigh so much, or have these envelopes of their `own`.
     fn parameters(
         &self,
         values: &Values,
         (weights, gains): ([f64; PLAYS], [f64; CREEPS]),
+        own: Option<&Envelopes>,
         solution: &Solution,
     ) -> Option<Parameters> {
         let floor = self.least_slope();
         let slopes = |coefficients: &[f64], floor: f64| {
-            List::collect(self.basis.slopes(coefficients).map(|slope| (slope + floor).max(0.0) as f32))
+            self.basis.slopes(coefficients).map(|slope| (slope + floor).max(0.0) as f32)
         };
+        let envelope = own.map_or(vec![&solution.envelope[..]], |own| own.iter().map(|of| &of[..]).collect());
         let [hertz, damping] = values.resonance;
         let span_v = Range { min: self.span.min as f32, max: self.span.max as f32 };
         // Its ends are rounded, so that half of it may be less than what half of the span is rounded to.
@@ -110,10 +113,10 @@ impl Family {
             lag_s: values.lag_s as f32,
             resonance_hz: hertz as f32,
             damping: damping as f32,
-            reversible_um_per_v: slopes(&solution.reversible, floor)?,
-            envelope_um_per_v: slopes(&solution.envelope, 0.0)?,
+            reversible_um_per_v: List::collect(slopes(&solution.reversible, floor))?,
+            envelope_um_per_v: List::collect(envelope.into_iter().flat_map(|of| slopes(of, 0.0)))?,
             half_widths_v: List::collect(self.plays.map(half_width))?,
-            weights: List::collect(weights.map(|weight| weight as f32))?,
+            weights: List::collect(own.map_or(weights, |_| [1.0; PLAYS]).map(|weight| weight as f32))?,
             creep_times_s: List::collect(CREEP_TIMES.map(|time| time as f32))?,
             creep_gains: List::collect(gains.map(|gain| gain as f32))?,
             rest_memory: values.rest_memory as f32,
@@ -139,7 +142,7 @@ impl super::Family for Family {
     fn candidate(&self, values: &[f64], problem: &Problem, _cost: Cost) -> Option<(Parameters, f64)> {
         let values = self.values(values)?;
         let solution = self.solve(&values, problem)?;
-        let found = self.parameters(&values, (self.law(&values), values.gains), &solution)?;
+        let found = self.parameters(&values, (self.law(&values), values.gains), None, &solution)?;
         Some((found, libm::exp(0.5 * (solution.total + values.unlikely(self.tick, problem.lag_s)))))
     }
 
@@ -149,8 +152,8 @@ impl super::Family for Family {
 
     /// Without what did not act, and with weights freed from the law, where the logs give any. What the law misses
     /// looks like a lag and a memory at rest: both are found once more beside weights of their own. Logs of which none
-    /// begins at rest say nothing of that memory, and it is the one between a rise's and a fall's. In the end the gains
-    /// of the creep are freed, too; of one frequency they say no more than how wide its loop is.
+    /// begins at rest say nothing of that memory, and it is the one between a rise's and a fall's. In the end creep's
+    /// gains and the plays' envelopes are freed; one frequency says no more of them than how wide its loop is.
     fn finish(&self, values: &[f64], problem: &Problem) -> Option<Parameters> {
         let sessions = self.sessions(problem);
         let (rests, mut values) = (self.rests(), self.values(values)?);
@@ -175,8 +178,8 @@ impl super::Family for Family {
         }
         let Tried { values, freed, .. } = best;
         let creeping = self.frees_creep.then(|| self.freed(&values, freed.weights, &sessions, true)).flatten();
-        let Freed { weights, gains, solution, .. } = creeping.unwrap_or(freed);
-        self.parameters(&values, (weights, gains), &solution)
+        let Freed { weights, gains, own, solution, .. } = creeping.unwrap_or(freed);
+        self.parameters(&values, (weights, gains), own.as_ref(), &solution)
     }
 
     fn has(&self, gene: &Gene, found: &Parameters) -> bool {
@@ -201,6 +204,7 @@ impl super::Family for Family {
         curvature::quadratic(self, at, problem)
     }
 
+    /// Envelopes of the plays' own are drawn to the common one, and count as that.
     fn solved(&self, _found: &Parameters) -> usize {
         2 * FUNCTIONS + PLAYS + ["offset"].len() + if self.frees_creep { CREEPS } else { 0 }
     }

@@ -41,7 +41,7 @@ fn what_is_found_is_what_the_model_runs() {
     let mut solution = family.solve(&values, &problem).unwrap();
     solution.reversible = vec![0.5, 0.1, 0.4, 0.0, 0.3, 0.2, 0.6, 0.1, 0.3];
     solution.envelope = vec![1.0, 3.0, 0.0, 2.0, 5.0, 0.0, 1.0, 2.0, 1.0];
-    let found = family.parameters(&values, (family.law(&values), values.gains), &solution).unwrap();
+    let found = family.parameters(&values, (family.law(&values), values.gains), None, &solution).unwrap();
     let discretisation =
         Discretisation { sample_period: 5e-4, scheme: Scheme::ForwardEuler, deadband: problem.deadband };
     let mut model = found.build::<f64>(&discretisation);
@@ -151,7 +151,7 @@ fn voltages_are_no_reason_to_find_nothing_whatever_they_are_rounded_to() {
         let values = family.values(&[1.0, 2.0, 0.5, 0.02, 0.03, 0.4]).unwrap();
         let solution =
             Solution { reversible: vec![1.0; FUNCTIONS], envelope: vec![1.0; FUNCTIONS], offset: 0.0, total: 0.0 };
-        let found = family.parameters(&values, (family.law(&values), values.gains), &solution);
+        let found = family.parameters(&values, (family.law(&values), values.gains), None, &solution);
         assert!(found.is_some(), "{:?} V", family.span);
     }
 }
