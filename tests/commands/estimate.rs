@@ -129,6 +129,12 @@ fn what_is_said_names_the_start_and_where_it_is_not_to_be_believed() {
     of(&["--start-at", "0"], &["a start at 0 µm is none of this table's", " to -6"]);
     of(&["--zero-at", "99:-92"], &["the zero, 99 s, must lie after 0.000 s", "34.995 s"]);
     of(&["--zero-at", "24"], &["as 24:-91.5"]);
+    let beyond =
+        ["estimate", TABLE, text(&monitor), "--voltage-scale", "60", "--zero-at", "24:-92", "--out", text(&out)];
+    refused(
+        &beyond,
+        &["no zero can be told at 24 s: the voltage is 0.09", "beyond the table's -0.003 … 0.063 V", "another time"],
+    );
     of(&["--zero-at", "24:-92", "--start-at", "-92"], &["cannot be used with"]);
     // A validation says which verb takes a log without a sensor.
     refused(&["validate", TABLE, text(&monitor)], &["holds the displacement", "\n    piezo estimate '<TABLE>' "]);

@@ -35,7 +35,9 @@ pub fn held(table: &Admitted, limits: &DriveLimits) -> String {
 pub fn believed(held_out_mae_um: Option<f32>) -> String {
     match held_out_mae_um {
         Some(mae) => {
-            format!("The model itself was {mae:.3} µm off on average on what was held out when it was identified")
+            format!(
+                "The model itself was {mae:.3} µm off on average on what was held out when it was identified, its sensor's zero included"
+            )
         }
         None => "How far the model itself is off nobody knows: nothing was held out when it was identified".to_owned(),
     }

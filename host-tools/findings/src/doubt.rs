@@ -140,7 +140,8 @@ pub fn doubt(doubt: &Doubt) -> String {
         ),
         Doubt::Trend { log, by_um, within_s } => format!(
             "on {log}, held out, the error goes by {:+.3} µm within {within_s:.0} s, in one direction: the sensor drifts or was moved, or the \
-             actuator or its mount warms up, and some of that may be learnt as creep; let them come to a steady temperature, and record it again",
+             actuator or its mount warms up, and some of that may be learnt as creep, or the actuator creeps, and this model does not (most have no \
+             creep; --model generalised-prandtl-ishlinskii has); let them come to a steady temperature, and record it again",
             Micrometres(*by_um)
         ),
         Doubt::SinglePrecision { difference_um } => {

@@ -31,6 +31,9 @@ pub fn told(error: &(dyn Error + 'static)) -> Option<String> {
             UnmeasuredError::Start { .. } => Some(format!(
                 "{of}: state it by that zero, or with --zero-at <S>:<UM> where it is known at a later time"
             )),
+            UnmeasuredError::Beyond { .. } => {
+                Some(format!("{of}: tell it at another time, or train on logs that reach as far"))
+            }
         };
     }
     error

@@ -129,6 +129,16 @@ pub enum UnmeasuredError {
     /// The log has nothing at the zero's time.
     #[error(transparent)]
     Zero(#[from] ScopeError),
+    /// The voltage at the zero is none that the table knows: there its model stands still, and a device takes no zero.
+    #[error("no zero can be told at {at_s} s: the voltage is {volts} V there, beyond the table's {} … {} V", range.min, range.max)]
+    Beyond {
+        /// The zero's time, s since the log's first sample.
+        at_s: f64,
+        /// The voltage at the zero, as the file has it, V.
+        volts: f64,
+        /// The voltages that the table knows, as the file would have them, V.
+        range: Range<f64>,
+    },
 }
 
 /// Runs a table's f32 core over a log's voltage, whether or not a sensor is beside it, as does a device that is
@@ -181,6 +191,12 @@ fn everywhere(table: &Admitted, log: Log, recipe: &Recipe, known: Known) -> Resu
             // The last instant up to there, as a device is told: there is one, since the scope has found the time
             // within the log.
             let at = part.zero.map_or(0, |window| window.end.saturating_sub(1));
+            let volts = session.instants.get(at + 1).and_then(|&tick| session.voltage.get(tick as usize));
+            if let Some(&volts) = volts.filter(|&&volts| !table.voltage_range_v.contains(volts as f32)) {
+                let [volts, min, max] = [volts, table.voltage_range_v.min.into(), table.voltage_range_v.max.into()]
+                    .map(|volts| (1e3 * recipe.as_recorded(volts)).round() / 1e3);
+                return Err(UnmeasuredError::Beyond { at_s, volts, range: Range { min, max } });
+            }
             let mut run = run(None, Some(at));
             let off = run.estimated.get(at).map_or(0.0, |estimate| estimate - of_model(um));
             run.estimated.iter_mut().skip(at).for_each(|estimate| *estimate -= off);

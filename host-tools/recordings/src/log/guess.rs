@@ -15,6 +15,8 @@ pub(super) fn channels(columns: &[Column], labels: &[Label], time_needed: bool, 
     let all: Vec<usize> = (0..columns.len()).filter(numeric).collect();
     // None can be spared for the time that is needed for something else.
     let seek_clock = time_needed && all.len() >= wanted.len();
+    // One that rests yet is told from a setting where two others move.
+    let moving = all.iter().filter(|at| is_signal(&columns[**at].values)).count() > 1;
     let mut channels = Channels::default();
     for &quantity in wanted {
         let free = || all.iter().copied().filter(|at| !channels.has(*at));
@@ -23,7 +25,7 @@ pub(super) fn channels(columns: &[Column], labels: &[Label], time_needed: bool, 
         let in_unit = || free().find(|&at| labels[at].unit_of(quantity).is_some());
         let by_numbers = || match quantity {
             Quantity::Time => free().find(|&at| columns[at].stamps || (seek_clock && is_clock(&columns[at].values))),
-            _ => free().find(|&at| is_signal(&columns[at].values) && is_free_of(labels, at, quantity)),
+            _ => free().find(|&at| moving && is_signal(&columns[at].values) && is_free_of(labels, at, quantity)),
         };
         let in_order = || {
             let is_number = |at: usize| Some(&at) == all.first() && counts_rows(&columns[at].values);
