@@ -67,8 +67,8 @@ pub use model::{
     BoucWen, BoucWenParameters, Discretisation, Duhem, DuhemCondition, DuhemParameters, Engine,
     GeneralisedPrandtlIshlinskii, GeneralisedPrandtlIshlinskiiParameters, Linear, MaxwellSlip, MaxwellSlipParameters,
     Model, Narx, NarxParameters, Parameters, PrandtlIshlinskii, PrandtlIshlinskiiParameters, Preisach,
-    PreisachParameters, Process, Published, Recursion, Resonance, ResonanceState, Running, Scheme, Stop, Superposition,
-    Voigt, VoigtChain, VoigtChainParameters, VoigtParameters, VoigtPoint, VoigtState, VoigtTerms, solve,
+    PreisachParameters, Process, Published, Recursion, Remanence, Resonance, ResonanceState, Running, Scheme, Stop,
+    Superposition, Voigt, VoigtChain, VoigtChainParameters, VoigtParameters, VoigtPoint, VoigtState, VoigtTerms, solve,
 };
 pub use range::Range;
 pub use rule::Rule;

@@ -15,9 +15,9 @@ use crate::sealed::{self, CHECKSUM, Unsealed};
 use crate::table::{Admitted, Table, TableError};
 
 /// Format version that this software writes and reads.
-pub const VERSION: u16 = 12;
+pub const VERSION: u16 = 13;
 /// No record is longer than this, bytes.
-pub const MAX_LENGTH: usize = 1240;
+pub const MAX_LENGTH: usize = 1248;
 
 const MAGIC: [u8; 4] = *b"PZTB";
 const HEADER: usize = 8;

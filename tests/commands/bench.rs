@@ -293,7 +293,7 @@ fn a_table_of_another_range_is_said_to_be_one_and_what_a_proof_fails_for() {
     let looked_at = piezo().args(&narrow).arg("--dry-run").assert().code(1).get_output().stdout.clone();
     let looked_at = String::from_utf8(looked_at).unwrap();
     assert!(looked_at.contains("but would be refused; nothing was written"), "{looked_at}");
-    assert!(looked_at.contains(" as calibrated for this board; made from a8ac9fc8)"), "{looked_at}");
+    assert!(looked_at.contains(" as calibrated for this board; made from f4462648)"), "{looked_at}");
     let doubted = [&narrow[..], &["--narrow"]].concat();
     refused(&doubted, &["table.toml: the training logs have a single amplitude", "has doubts", "--doubted"]);
     let install = [&doubted[..], &["--doubted"]].concat();

@@ -82,6 +82,8 @@ impl<T: Real, M, L: Real> Lagged<T, M, L> {
 impl<T: Real, M: Recursion<T>, L: Real> Recursion<T> for Lagged<T, M, L> {
     type State = LaggedState<T, M::State, L>;
 
+    const REMEMBERS: bool = M::REMEMBERS;
+
     fn begin(&self, voltage: T, displacement: Option<T>) -> Self::State {
         let model = self.model.begin(voltage, displacement);
         let displacement = self.model.peek(&model, voltage);

@@ -52,7 +52,6 @@ pub struct MaxwellSlipParameters {
 
 impl Published for MaxwellSlipParameters {
     type Coefficients<T: Real> = Lagged<T, MaxwellSlip<T>>;
-
     fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Lagged<T, MaxwellSlip<T>> {
         Lagged::build(self.lag_s, discretisation.sample_period, MaxwellSlip::build(self))
     }
@@ -185,6 +184,8 @@ impl<T: Real> MaxwellSlip<T> {
 
 impl<T: Real> Recursion<T> for MaxwellSlip<T> {
     type State = MaxwellSlipState<T>;
+
+    const REMEMBERS: bool = true;
 
     /// With the displacement known, every element is stretched by the same fraction θ of its yield displacement, −1…1,
     /// 1 on the ascending major branch. With nothing known, the actuator has come to this voltage from the relaxed

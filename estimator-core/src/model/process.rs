@@ -1,6 +1,7 @@
 //! A model together with its memory: what the estimator, the inverse and the identification run, whichever model it is.
 
 use super::recursion::Recursion;
+use super::remanence::Remanence;
 use crate::admissible::Inadmissible;
 use crate::math::Real;
 use crate::range::Range;
@@ -25,13 +26,20 @@ pub trait Process<T: Real>: Clone {
 #[derive(Clone, PartialEq, Debug)]
 pub struct Running<M, S> {
     model: M,
+    remanence: Remanence,
     state: Option<S>,
 }
 
 impl<M, S> Running<M, S> {
     /// A model that has not begun.
     pub fn new(model: M) -> Self {
-        Self { model, state: None }
+        Self { model, remanence: Remanence::default(), state: None }
+    }
+
+    /// The same, with nothing remembered, of an actuator that rests so where nothing is known.
+    #[must_use]
+    pub fn resting(self, remanence: Remanence) -> Self {
+        Self { remanence, state: None, ..self }
     }
 
     /// Forgets everything: the next tick is the first.
@@ -42,12 +50,31 @@ impl<M, S> Running<M, S> {
     /// What the next [`step`](Process::step) would return.
     pub fn peek<T: Real>(&self, voltage: T) -> T
     where
-        M: Recursion<T, State = S>,
+        M: Recursion<T, State = S> + Clone,
         S: Clone,
     {
         match &self.state {
             Some(state) => self.model.peek(state, voltage),
-            None => self.model.first(voltage, None).1,
+            None => self.clone().begin(voltage, None),
+        }
+    }
+
+    /// The first tick, as [`Recursion::first`]; where no displacement is known, of an actuator that rests as the
+    /// remanence says. A function of its own, for the model's begin is large.
+    #[inline(never)]
+    fn begin<T: Real>(&mut self, voltage: T, mut known: Option<T>) -> T
+    where
+        M: Recursion<T, State = S>,
+    {
+        loop {
+            let (state, displacement) = self.model.first(voltage, known);
+            match self.remanence.at(voltage) {
+                Some(off) if M::REMEMBERS && known.is_none() => known = Some(displacement + off),
+                _ => {
+                    self.state = Some(state);
+                    return displacement;
+                }
+            }
         }
     }
 
@@ -57,7 +84,7 @@ impl<M, S> Running<M, S> {
     where
         M: Recursion<T, State = S> + Clone,
     {
-        Self::new(self.model.of_held_voltage())
+        Self::new(self.model.of_held_voltage()).resting(self.remanence)
     }
 
     /// As [`Recursion::monotone_part`], with nothing remembered.
@@ -65,7 +92,7 @@ impl<M, S> Running<M, S> {
     where
         M: Recursion<T, State = S>,
     {
-        self.model.monotone_part().map(Self::new)
+        Some(Self::new(self.model.monotone_part()?).resting(self.remanence))
     }
 }
 
@@ -75,9 +102,7 @@ impl<T: Real, M: Recursion<T> + Clone> Process<T> for Running<M, M::State> {
         if let Some(state) = &mut self.state {
             return self.model.step(state, voltage);
         }
-        let (state, displacement) = self.model.first(voltage, known);
-        self.state = Some(state);
-        displacement
+        self.begin(voltage, known)
     }
 
     fn bound(&self, voltage: Range<T>, limits: Range<T>) -> Result<Range<T>, Inadmissible<T>> {

@@ -9,6 +9,11 @@ pub trait Recursion<T: Real>: Sized {
     /// What it remembers from tick to tick.
     type State: Clone + PartialEq + core::fmt::Debug;
 
+    /// Whether the model remembers how its voltage has gone, how an actuator rests is none of its parameters, and a
+    /// memory for a displacement is found in a few steps: a table may then say it
+    /// ([`Table::remanence_um`](crate::Table)). The first tick of one that has to search takes four times as long.
+    const REMEMBERS: bool = false;
+
     /// The memory of an actuator that has long rested at this voltage (V). Where its displacement (µm) is known, the
     /// memory is the one that gives it, or comes nearest; where it is not, the one in the middle of all that it may be.
     fn begin(&self, voltage: T, displacement: Option<T>) -> Self::State;

@@ -24,7 +24,9 @@ use crate::calibration::{AdcCalibration, DacCalibration, DriveCalibration};
 use crate::extremum::between_codes;
 use crate::interval::IntervalParameters;
 use crate::math::Real;
-use crate::model::{Discretisation, Engine, GeneralisedPrandtlIshlinskii, Model, Parameters, Process, Scheme};
+use crate::model::{
+    Discretisation, Engine, GeneralisedPrandtlIshlinskii, Model, Parameters, Process, Remanence, Scheme,
+};
 use crate::range::Range;
 use crate::rule::{self, Rule};
 use serde::{Deserialize, Serialize};
@@ -71,6 +73,12 @@ pub struct Table {
     pub displacement_limits_um: Range,
     /// Published parameters, and with them which model it is.
     pub parameters: Parameters,
+    /// What an actuator that has long rested at the lowest of the voltages stands above where the model by itself
+    /// begins there, and at the highest, µm. Where nothing is known of a start the model begins so far off, between the
+    /// two in proportion, or as near to that as its memory can be. 0 of a model that does not
+    /// [remember](crate::Recursion::REMEMBERS).
+    #[serde(default)]
+    pub remanence_um: [f32; 2],
     /// From the ADC's codes to the amplifier's voltage, V.
     pub adc: AdcCalibration,
     /// Fastest change of the amplifier's voltage, V/s; `None` where nobody said it. A device holds what
@@ -143,11 +151,14 @@ impl Table {
 
     /// The model in the number type `T`.
     pub fn engine<T: Real>(&self) -> Engine<T> {
-        self.parameters.between_codes(self.adc.gain_v_per_code).build(&Discretisation {
-            sample_period: self.sample_period(),
-            scheme: self.scheme,
-            deadband: T::of(self.retreat_v()),
-        })
+        self.parameters
+            .between_codes(self.adc.gain_v_per_code)
+            .build(&Discretisation {
+                sample_period: self.sample_period(),
+                scheme: self.scheme,
+                deadband: T::of(self.retreat_v()),
+            })
+            .resting(Remanence::new(self.voltage_range_v, self.remanence_um))
     }
 
     /// Retreat that counts as a reversal, V: `deadband_v` [between two numbers of codes](between_codes) of the ADC.
@@ -170,6 +181,8 @@ impl Table {
             ("voltage_range_v", self.voltage_range_v.max),
             ("displacement_limits_um", self.displacement_limits_um.min),
             ("displacement_limits_um", self.displacement_limits_um.max),
+            ("remanence_um", self.remanence_um[0]),
+            ("remanence_um", self.remanence_um[1]),
             ("adc.gain_v_per_code", self.adc.gain_v_per_code),
             ("adc.offset_v", self.adc.offset_v),
             ("amplifier_slew_v_per_s", self.amplifier_slew_v_per_s.unwrap_or(0.0)),
@@ -202,6 +215,9 @@ impl Table {
                 "only a model of the Voigt family has a scheme other than forward-euler",
                 self.model().is_voigt() || self.scheme == Scheme::ForwardEuler,
             ),
+            ("only a model that remembers how its voltage has gone has a remanence_um other than 0", {
+                self.model().remembers() || self.remanence_um == [0.0; 2]
+            }),
             ("sample_period_us must lie between 1 and 1000000", (1..=1_000_000).contains(&self.sample_period_us)),
             ("voltage_range_v must be ordered", ordered(voltages)),
             ("voltage_range_v must lie within 100 kV", {

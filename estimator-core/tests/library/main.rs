@@ -20,6 +20,7 @@ mod prandtl_ishlinskii;
 mod precision;
 mod preisach;
 mod published;
+mod remanence;
 mod settling;
 mod table;
 mod voigt_chain;

@@ -21,8 +21,8 @@ fn record_is_pinned() {
         hex,
         concat!(
             "505a5442",
-            "0c00",
-            "7200", // magic, version, length
+            "0d00",
+            "7a00", // magic, version, length
             "f403",
             "00",
             "00000000",
@@ -43,6 +43,8 @@ fn record_is_pinned() {
             "00000000",
             "00000000",
             "00000000", // g, h, e, f
+            "00000000",
+            "00000000", // remanence
             "010b303c",
             "0000b0c1",
             "00",
@@ -59,7 +61,7 @@ fn record_is_pinned() {
             "0000803e",
             "01b81e853e",
             "00",       // provenance
-            "086c8807", // CRC-32
+            "d2a0f98e", // CRC-32
         ),
         "the format changed: bump record::VERSION and say so in CHANGELOG.md"
     );

@@ -155,6 +155,7 @@ fn straight_line(
             dead_zone_slopes: List::of([]),
             memory_v: all,
         }),
+        remanence_um: [0.0; 2],
         adc: AdcCalibration { gain_v_per_code: 1.0, offset_v: 0.0, invert: false, full_scale: adc_full_scale },
         amplifier_slew_v_per_s: None,
         dac: DacCalibration { gain_codes_per_um: 1.0, offset_code: 0.0, full_scale: dac_full_scale },

@@ -9,6 +9,7 @@ use estimator_core::{
     Admitted, Digest, Inadmissible, IntervalParameters, Parameters, Provenance, Range, Scheme, Table, TableError,
 };
 use recordings::prepare::Recipe;
+use remanence::remanence;
 
 /// An identified model with its table and its errors.
 #[derive(Clone, Debug)]
@@ -68,7 +69,8 @@ impl Candidate {
     pub fn new(problem: &Problem, fit: Fit, context: &TableContext) -> Result<Self, CandidateError> {
         let parameters = fit.parameters.ok_or(CandidateError::NothingFound)?;
         let table = table(problem, parameters, context)?;
-        let first = table.admit()?;
+        let remanence_um = remanence(&table.admit()?, problem.training());
+        let first = Table { remanence_um, ..table }.admit()?;
         let candidate = Self {
             training: problem.training().map(|session| compare(&first, session)).collect(),
             held_out: problem.validation().map(|session| compare(&first, session)).collect(),
@@ -82,7 +84,7 @@ impl Candidate {
             validation_max_um: held_out.map(|figures| figures.max_um as f32),
             ..table.provenance
         };
-        Ok(Self { table: Table { provenance, ..table }.admit()?, ..candidate })
+        Ok(Self { table: Table { provenance, ..*first }.admit()?, ..candidate })
     }
 
     /// The same without its estimates, of which only the errors are kept: of a long log they are much.
@@ -144,6 +146,7 @@ fn table(problem: &Problem, parameters: Parameters, context: &TableContext) -> R
         voltage_range_v: single(voltage),
         displacement_limits_um: single(limits),
         parameters,
+        remanence_um: [0.0; 2],
         adc,
         amplifier_slew_v_per_s: context.calibration.amplifier_slew(),
         dac,

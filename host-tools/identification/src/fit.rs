@@ -140,8 +140,7 @@ impl Identification<'_> {
     }
 
     /// By rounds of the genetic algorithm, from random candidates and again with the simpler models' solutions among
-    /// them where there are any: the better of the two. Within a budget in one search that starts at the best of those
-    /// solutions.
+    /// them where there are any: the better of the two. Within a budget in one search that starts at the best of them.
     fn voigt(&self, model: Model, simpler: &[Fit], progress: Progress<'_>) -> Fit {
         let (space, seeds) = self.space(model, simpler);
         if let Some(budget) = self.budget {
@@ -181,9 +180,8 @@ impl Identification<'_> {
     }
 }
 
-/// Which of a model's structures a fit goes on in: of those that search all that it was found by, and least
-/// besides, its own. (A limit that the fit was found not to need is not searched again.) `None` of the Voigt
-/// family, which has none.
+/// Which of a model's structures a fit goes on in: of those that search all that it was found by, and least besides,
+/// its own. (A limit that it was found not to need is not searched again.) `None` of the Voigt family, which has none.
 fn structure_of(fit: &Fit, structures: &[AnyFamily]) -> Option<usize> {
     let genes: Vec<Vec<Gene>> = structures.iter().map(|family| family.genes()).collect();
     let all = |at: &usize| fit.genes.iter().all(|(gene, _)| genes[*at].iter().any(|of| of.name == gene.name));

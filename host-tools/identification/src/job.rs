@@ -109,8 +109,7 @@ impl Job {
         self.prepare_parts(self.hold_out, None)
     }
 
-    /// As [`prepare`](Self::prepare), with this fraction of each training log held out, and a delay that
-    /// was decided before.
+    /// As [`prepare`](Self::prepare), with this fraction of each log held out, and a delay that was decided before.
     pub(crate) fn prepare_parts(&self, hold_out: f64, known_delay_ticks: Option<u32>) -> Result<Prepared, JobError> {
         let Parts { training, held_out, rests, in_turns } =
             Parts::of(&self.training, &self.held_out, hold_out, &self.prepare)?;

@@ -9,6 +9,7 @@ use estimator_core::{Admitted, Estimator, Range};
 use identification::Problem;
 use log_survey::settled;
 use recordings::session::Session;
+use remanence::rests_v;
 use validation::ZERO_WINDOW_S;
 
 /// A start says something of the ends where it leaves less than this open without them: all but the middle third
@@ -20,8 +21,6 @@ const AT_END: f64 = 0.25;
 /// e where no log begins at rest there: what nobody has seen is neither nothing nor all that a start in the
 /// middle leaves open.
 const UNSEEN: f64 = 0.5;
-/// A voltage stands where it moves by no more than this part of a session's span.
-const STILL: f64 = 0.02;
 /// Times what the logs' first swings were off by: logs are few, and another recording may turn where these passed.
 const FEW: f64 = 1.5;
 
@@ -34,7 +33,7 @@ pub fn memory_at_ends(problem: &Problem, table: &Admitted, memory_um: f64, misfi
     // How much a log's start leaves open without e, and the e that it needs.
     let of = |session: &Session| {
         // A log that begins in motion is one of an actuator that the drive before it has left as it would be.
-        let part = range.clamp(rest(session, table.sample_period())?) - range.min;
+        let part = range.clamp(rests_v(session)?) - range.min;
         let open = 4.0 * part * (range.span() - part) / (range.span() * range.span());
         let beyond = (off_in_first_swing(table, session)?.powi(2) - misfit_um.powi(2)).max(0.0).sqrt();
         let share = FEW * beyond / memory_um;
@@ -44,17 +43,6 @@ pub fn memory_at_ends(problem: &Problem, table: &Admitted, memory_um: f64, misfi
     let starts: Vec<(f64, f64)> = problem.training().filter_map(of).collect();
     let at_an_end = starts.iter().filter(|(open, _)| *open < AT_END).map(|(_, needed)| *needed).reduce(f64::max);
     starts.iter().map(|(_, needed)| *needed).fold(at_an_end.unwrap_or(UNSEEN), f64::max).max(0.0)
-}
-
-/// The voltage at which the actuator had rested before a session of such ticks, V: where nothing else is known, where
-/// the voltage stands for the first 50 ms.
-fn rest(session: &Session, tick_s: f64) -> Option<f64> {
-    if session.rested_v.is_some() {
-        return session.rested_v;
-    }
-    let of = |ticks: &[f64]| Range::of_values(ticks.iter().copied());
-    let begins = of(session.voltage.get(..(ZERO_WINDOW_S / tick_s).ceil() as usize)?);
-    (begins.span() <= STILL * of(&session.voltage).span()).then(|| begins.middle())
 }
 
 /// What the estimate of a session is off by in its first swing, µm, relative to its first 50 ms: the mean while

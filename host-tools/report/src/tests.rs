@@ -37,6 +37,7 @@ fn table(model: Model) -> Admitted {
                 ..VoigtParameters::default()
             },
         ),
+        remanence_um: [0.0; 2],
         adc: AdcCalibration { gain_v_per_code: 0.0107, offset_v: -22.0, invert: false, full_scale: 4095 },
         amplifier_slew_v_per_s: None,
         dac: DacCalibration { gain_codes_per_um: 100.0, offset_code: 2048.0, full_scale: 4095 },

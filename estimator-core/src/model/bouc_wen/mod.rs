@@ -58,7 +58,6 @@ pub struct BoucWenParameters {
 
 impl Published for BoucWenParameters {
     type Coefficients<T: Real> = Lagged<T, BoucWen<T>>;
-
     fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Lagged<T, BoucWen<T>> {
         let model = BoucWen::build(self, discretisation.deadband);
         Lagged::build(self.lag_s, discretisation.sample_period, model)
@@ -195,6 +194,8 @@ impl<T: Real> BoucWen<T> {
 
 impl<T: Real> Recursion<T> for BoucWen<T> {
     type State = BoucWenState<T>;
+
+    const REMEMBERS: bool = true;
 
     /// h is the one that gives the displacement, within its limits; their middle where the displacement is unknown.
     fn begin(&self, voltage: T, displacement: Option<T>) -> Self::State {

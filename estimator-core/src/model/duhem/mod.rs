@@ -33,7 +33,6 @@ use crate::rule::Rule;
 
 impl Published for DuhemParameters {
     type Coefficients<T: Real> = Lagged<T, Duhem<T>>;
-
     fn build<T: Real>(&self, discretisation: &Discretisation<T>) -> Lagged<T, Duhem<T>> {
         Lagged::build(self.lag_s, discretisation.sample_period, Duhem::build(self, discretisation.deadband))
     }
@@ -206,6 +205,8 @@ impl<T: Real> Duhem<T> {
 
 impl<T: Real> Recursion<T> for Duhem<T> {
     type State = DuhemState<T>;
+
+    const REMEMBERS: bool = true;
 
     /// On f where the displacement is unknown; else off it by no more than |D|/α at this voltage, which a long monotone
     /// move could leave there.

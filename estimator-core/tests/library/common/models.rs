@@ -123,6 +123,7 @@ pub fn table_of(model: Model) -> Table {
         voltage_range_v: Range { min: -20.0, max: 80.0 },
         displacement_limits_um: Range { min: -60.0, max: 90.0 },
         parameters: parameters(model),
+        remanence_um: if model.remembers() { [0.25, -0.15] } else { [0.0; 2] },
         deadband_v: 0.1,
         drive: (model != Model::Narx).then_some(DRIVE),
         ..table()

@@ -29,6 +29,7 @@ fn table() -> Table {
         voltage_range_v: Range { min: -20.0, max: 20.0 },
         displacement_limits_um: Range { min: -6.0, max: 6.0 },
         parameters: Parameters::Voigt(VOIGT),
+        remanence_um: [0.0; 2],
         adc: AdcCalibration { gain_v_per_code: 1.0, offset_v: 0.0, invert: false, full_scale: 65_520 },
         amplifier_slew_v_per_s: None,
         dac: DacCalibration { gain_codes_per_um: 1.0, offset_code: 0.0, full_scale: 4095 },
